@@ -1,0 +1,1 @@
+//! Optimisation-based motion planning with classical and learned optimizers.
