@@ -1,1 +1,14 @@
 //! Optimisation-based motion planning with classical and learned optimizers.
+
+pub mod error;
+pub mod geometry;
+mod robot;
+mod task;
+mod trajectory;
+mod world;
+
+pub use error::InvalidInput;
+pub use robot::Robot;
+pub use task::Task;
+pub use trajectory::Trajectory;
+pub use world::{Grid, MAX_GRID_CELLS, Obstacle, World};

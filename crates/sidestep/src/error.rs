@@ -1,0 +1,51 @@
+//! The one error of the core: an input value that is not allowed.
+
+/// A value that the caller passed and that is not allowed.
+///
+/// Not finding a path is never an error: see `plan::Status`.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{field}: {value} is not allowed; expected {allowed}")]
+pub struct InvalidInput {
+    /// The field's path, such as `obstacles[3].circle.radius`.
+    pub field: String,
+    /// The value as it was given.
+    pub value: String,
+    /// What would have been allowed.
+    pub allowed: String,
+}
+
+impl InvalidInput {
+    /// Names the field, the value given and what is allowed.
+    pub fn new(
+        field: impl Into<String>,
+        value: impl std::fmt::Display,
+        allowed: impl Into<String>,
+    ) -> Self {
+        Self { field: field.into(), value: value.to_string(), allowed: allowed.into() }
+    }
+
+    /// The same error with its field placed inside `parent`: `radius` becomes `parent.radius`.
+    pub fn inside(mut self, parent: &str) -> Self {
+        self.field = format!("{parent}.{}", self.field);
+        self
+    }
+}
+
+/// Largest magnitude of a coordinate, in task units; squares and sums stay finite in f32 beyond it.
+pub const MAX_COORDINATE: f64 = 1e9;
+
+/// Checks that a number is finite and of a magnitude that the arithmetic can hold.
+pub(crate) fn finite(field: &str, value: f64) -> Result<f64, InvalidInput> {
+    if value.is_finite() && value.abs() <= MAX_COORDINATE {
+        Ok(value)
+    } else {
+        Err(InvalidInput::new(field, value, "a finite number of magnitude at most 1e9"))
+    }
+}
+
+/// Checks both coordinates of a point.
+pub(crate) fn finite_point(field: &str, point: [f64; 2]) -> Result<[f64; 2], InvalidInput> {
+    finite(&format!("{field}[0]"), point[0])?;
+    finite(&format!("{field}[1]"), point[1])?;
+    Ok(point)
+}
