@@ -2,6 +2,7 @@
 
 pub mod error;
 pub mod geometry;
+pub mod kernels;
 mod robot;
 mod task;
 mod trajectory;
