@@ -1,9 +1,23 @@
 //! Optimisation-based motion planning with classical and learned optimizers.
+//!
+//! A [`Task`] asks for a path of a [`Robot`] through a [`World`]; [`plan::plan`] answers with a certified
+//! [`Trajectory`] or the reason why there is none. Underneath, an [`objective::Objective`] scores the
+//! waypoints of a trajectory and an [`optimizer::Optimizer`] walks them downhill.
 
+pub mod distance;
 pub mod error;
 pub mod geometry;
 pub mod kernels;
+pub mod objective;
+pub mod observation;
+pub mod optimizer;
+pub mod profile;
+pub mod rng;
 mod robot;
+pub mod run;
+mod sampled_check;
+pub mod starts;
+pub mod suite;
 mod task;
 mod trajectory;
 mod world;

@@ -182,6 +182,15 @@ impl World {
         self.grid.as_ref()
     }
 
+    /// Whether `p` lies inside an obstacle (its border excluded) or in an occupied cell.
+    pub fn is_inside_obstacle(&self, p: Point) -> bool {
+        let in_grid = self.grid.as_ref().is_some_and(|grid| {
+            let (column, row) = grid.cell_of(p);
+            grid.is_occupied(column, row)
+        });
+        in_grid || self.obstacles.iter().any(|obstacle| obstacle.signed_distance(p) < 0.0)
+    }
+
     /// Lengths below this count as nothing when something is certified: 1e-9 of the field's extent.
     pub fn tolerance(&self) -> f64 {
         1e-9 * self.bounds.extent()

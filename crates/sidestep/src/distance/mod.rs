@@ -1,0 +1,130 @@
+//! Signed distance fields in normalised units, positive in free space.
+//!
+//! A [`Field`] answers distance and gradient for a block of points at once. Shapes are exact
+//! ([`shapes`]), grids and the paper's profile are images ([`image`]); the bounds are walls.
+
+mod boundary;
+mod image;
+mod shapes;
+mod transform;
+
+use crate::profile::{DistanceKind, Frame, Profile};
+use crate::robot::Robot;
+use crate::world::World;
+
+pub use image::{ImageField, Interpolation};
+pub use shapes::ShapeField;
+pub use transform::squared_distance_transform;
+
+/// Points are processed in blocks of this many lanes.
+pub(crate) const LANES: usize = 16;
+
+/// Distances and gradients of a set of points, as arrays of equal length (a multiple of [`LANES`]).
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Samples {
+    pub distance: Vec<f32>,
+    pub gradient_x: Vec<f32>,
+    pub gradient_y: Vec<f32>,
+}
+
+impl Samples {
+    pub fn with_len(len: usize) -> Self {
+        Self { distance: vec![0.0; len], gradient_x: vec![0.0; len], gradient_y: vec![0.0; len] }
+    }
+}
+
+/// The distance field of a world for a robot.
+#[derive(Debug, Clone)]
+pub struct Field {
+    shapes: Option<ShapeField>,
+    image: Option<ImageField>,
+    /// Normalised `[min_x, min_y, max_x, max_y]` of the bounds, where walls are not in the image.
+    walls: Option<[f32; 4]>,
+    radius: f32,
+}
+
+impl Field {
+    /// Builds the field that the profile asks for.
+    pub fn new(world: &World, robot: Robot, profile: &Profile) -> Self {
+        let frame = profile.frame(world.bounds());
+        let radius = (robot.radius() / frame.scale) as f32;
+        match profile.distance {
+            DistanceKind::PaperImage => Self {
+                shapes: None,
+                image: Some(ImageField::paper(world, &frame)),
+                walls: None,
+                radius,
+            },
+            DistanceKind::Exact => {
+                let [min_x, min_y] = frame.to_normalised(world.bounds().min);
+                let [max_x, max_y] = frame.to_normalised(world.bounds().max);
+                Self {
+                    shapes: (!world.obstacles().is_empty())
+                        .then(|| ShapeField::new(world.obstacles(), &frame)),
+                    image: world.grid().and_then(|grid| ImageField::grid(grid, &frame)),
+                    walls: Some([min_x, min_y, max_x, max_y]),
+                    radius,
+                }
+            }
+        }
+    }
+
+    /// Signed distance of the robot's body at one point and its gradient (both unquirked), in
+    /// normalised units.
+    pub fn at(&self, p: [f32; 2]) -> (f32, [f32; 2]) {
+        let mut samples = Samples::with_len(LANES);
+        self.sample(&[p[0]; LANES], &[p[1]; LANES], &mut samples);
+        (samples.distance[0], [samples.gradient_x[0], samples.gradient_y[0]])
+    }
+
+    /// Samples all points; slices have equal length, a multiple of [`LANES`].
+    #[inline(always)]
+    pub(crate) fn sample(&self, x: &[f32], y: &[f32], out: &mut Samples) {
+        match (&self.shapes, &self.image) {
+            (Some(shapes), None) => shapes.sample(x, y, out),
+            (None, Some(image)) => image.sample(x, y, out),
+            (None, None) => out.distance.fill(f32::INFINITY),
+            (Some(shapes), Some(image)) => {
+                shapes.sample(x, y, out);
+                merge_image(image, x, y, out);
+            }
+        }
+        if let Some(walls) = self.walls {
+            merge_walls(walls, x, y, out);
+        }
+        if self.radius > 0.0 {
+            out.distance.iter_mut().for_each(|d| *d -= self.radius);
+        }
+    }
+}
+
+/// Keeps the nearer of what `out` holds and the image.
+fn merge_image(image: &ImageField, x: &[f32], y: &[f32], out: &mut Samples) {
+    for i in 0..x.len() {
+        let (distance, gradient) = image.at([x[i], y[i]]);
+        if distance < out.distance[i] {
+            out.distance[i] = distance;
+            out.gradient_x[i] = gradient[0];
+            out.gradient_y[i] = gradient[1];
+        }
+    }
+}
+
+/// Keeps the nearer of what `out` holds and the walls. At a tie the shape's gradient stays.
+#[inline(always)]
+fn merge_walls([min_x, min_y, max_x, max_y]: [f32; 4], x: &[f32], y: &[f32], out: &mut Samples) {
+    for i in 0..x.len() {
+        let candidates = [
+            (x[i] - min_x, 1.0, 0.0),
+            (max_x - x[i], -1.0, 0.0),
+            (y[i] - min_y, 0.0, 1.0),
+            (max_y - y[i], 0.0, -1.0),
+        ];
+        for (distance, gradient_x, gradient_y) in candidates {
+            let nearer = distance < out.distance[i];
+            out.distance[i] = if nearer { distance } else { out.distance[i] };
+            out.gradient_x[i] = if nearer { gradient_x } else { out.gradient_x[i] };
+            out.gradient_y[i] = if nearer { gradient_y } else { out.gradient_y[i] };
+        }
+    }
+}

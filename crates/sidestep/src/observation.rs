@@ -1,0 +1,233 @@
+//! What a learned optimizer sees: named parts, concatenated in the order they are listed.
+//!
+//! Training and planning call this same encoder. The paper's agents see the gradient (20 numbers
+//! for 10 waypoints), the gradient and obstacle cost (31), or one of the wider observations of its
+//! section III.D.
+
+use crate::error::InvalidInput;
+use crate::objective::Objective;
+use crate::world::{Obstacle, World};
+
+/// One part of an observation. N is the number of waypoints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ObservationPart {
+    /// The gradient of U, `[N x 2]`.
+    Gradient,
+    /// The obstacle cost of each waypoint, then their mean: N + 1 numbers.
+    ObstacleCost,
+    /// The gradients of the last `count` steps, newest first, zero before the first: `[count x N x 2]`.
+    PreviousGradients {
+        /// How many earlier gradients.
+        count: usize,
+    },
+    /// The waypoints in normalised units, `[N x 2]`.
+    Trajectory,
+    /// Centre and size of each obstacle's bounding box in normalised units, `[count x 4]`, zero
+    /// where there are fewer.
+    Obstacles {
+        /// Most obstacles that a task may have.
+        count: usize,
+    },
+}
+
+/// Most earlier gradients that an observation may hold.
+const MAX_PREVIOUS: usize = 64;
+/// Most obstacles that an observation may hold.
+const MAX_OBSTACLES: usize = 4096;
+
+impl ObservationPart {
+    /// The part's name: `gradient`, `obstacle-cost`, `previous-gradients:K`, `trajectory`, `obstacles:K`.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Gradient => "gradient".into(),
+            Self::ObstacleCost => "obstacle-cost".into(),
+            Self::PreviousGradients { count } => format!("previous-gradients:{count}"),
+            Self::Trajectory => "trajectory".into(),
+            Self::Obstacles { count } => format!("obstacles:{count}"),
+        }
+    }
+
+    /// The part of that name.
+    ///
+    /// # Errors
+    /// If there is none, or its number is out of range.
+    pub fn named(name: &str) -> Result<Self, InvalidInput> {
+        let refuse = |allowed: String| InvalidInput::new("observation", name, allowed);
+        let (word, number) = match name.split_once(':') {
+            Some((word, number)) => (word, Some(number)),
+            None => (name, None),
+        };
+        let count = |most: usize| {
+            number
+                .and_then(|n| n.parse::<usize>().ok())
+                .filter(|n| (1..=most).contains(n))
+                .ok_or_else(|| refuse(format!("{word}:K with K from 1 to {most}")))
+        };
+        match (word, number) {
+            ("gradient", None) => Ok(Self::Gradient),
+            ("obstacle-cost", None) => Ok(Self::ObstacleCost),
+            ("trajectory", None) => Ok(Self::Trajectory),
+            ("previous-gradients", _) => Ok(Self::PreviousGradients { count: count(MAX_PREVIOUS)? }),
+            ("obstacles", _) => Ok(Self::Obstacles { count: count(MAX_OBSTACLES)? }),
+            _ => Err(refuse(
+                "gradient, obstacle-cost, previous-gradients:K, trajectory or obstacles:K".into(),
+            )),
+        }
+    }
+
+    /// How many numbers the part takes for `waypoints` waypoints.
+    pub fn len(&self, waypoints: usize) -> usize {
+        match self {
+            Self::Gradient | Self::Trajectory => 2 * waypoints,
+            Self::ObstacleCost => waypoints + 1,
+            Self::PreviousGradients { count } => count * 2 * waypoints,
+            Self::Obstacles { count } => 4 * count,
+        }
+    }
+
+    /// Never: each part holds at least one number.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+}
+
+/// Checks that a list of parts makes an observation, and returns its length.
+///
+/// # Errors
+/// If the list is empty or names a kind of part twice.
+pub fn observation_len(parts: &[ObservationPart], waypoints: usize) -> Result<usize, InvalidInput> {
+    if parts.is_empty() {
+        return Err(InvalidInput::new("observation", "no part", "at least one part"));
+    }
+    for (i, part) in parts.iter().enumerate() {
+        let same_kind = |other: &&ObservationPart| {
+            std::mem::discriminant(*other) == std::mem::discriminant(part)
+        };
+        if parts[..i].iter().any(|other| same_kind(&other)) {
+            return Err(InvalidInput::new("observation", part.name(), "each kind of part once"));
+        }
+    }
+    Ok(parts.iter().map(|part| part.len(waypoints)).sum())
+}
+
+/// Writes observations of one task, and remembers what its parts need from earlier steps.
+#[derive(Debug, Clone)]
+pub struct Encoder {
+    parts: Vec<ObservationPart>,
+    /// Earlier gradients, newest first: `[count x N x 2]`.
+    previous: Vec<f32>,
+    /// The obstacles part, which does not change during a task.
+    obstacles: Vec<f32>,
+}
+
+impl Encoder {
+    /// An encoder for a task of `objective`.
+    ///
+    /// # Errors
+    /// If the parts contradict each other or the world has more obstacles than the observation.
+    pub fn new(
+        parts: &[ObservationPart],
+        objective: &Objective,
+        world: &World,
+    ) -> Result<Self, InvalidInput> {
+        observation_len(parts, objective.waypoints())?;
+        let mut encoder =
+            Self { parts: parts.to_vec(), previous: Vec::new(), obstacles: Vec::new() };
+        for part in parts {
+            match *part {
+                ObservationPart::PreviousGradients { count } => {
+                    encoder.previous = vec![0.0; count * objective.dim()];
+                }
+                ObservationPart::Obstacles { count } => {
+                    encoder.obstacles = obstacle_boxes(world, objective, count)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(encoder)
+    }
+
+    /// Length of the observation.
+    pub fn len(&self, objective: &Objective) -> usize {
+        self.parts.iter().map(|part| part.len(objective.waypoints())).sum()
+    }
+
+    /// Never: an observation holds at least one number.
+    pub fn is_empty(&self) -> bool {
+        self.parts.is_empty()
+    }
+
+    /// Forgets earlier steps.
+    pub fn reset(&mut self) {
+        self.previous.fill(0.0);
+    }
+
+    /// Earlier gradients that the encoder remembers, for checkpoints.
+    pub fn memory(&self) -> &[f32] {
+        &self.previous
+    }
+
+    /// Puts back what [`Encoder::memory`] gave; a slice of another length is ignored.
+    pub fn restore(&mut self, memory: &[f32]) {
+        if memory.len() == self.previous.len() {
+            self.previous.copy_from_slice(memory);
+        }
+    }
+
+    /// Writes the observation of the waypoints `x`, whose `gradient` `objective` has just computed.
+    pub fn encode(&mut self, objective: &Objective, x: &[f32], gradient: &[f32], out: &mut [f32]) {
+        let mut rest = out;
+        for part in &self.parts {
+            let (part_out, after) =
+                std::mem::take(&mut rest).split_at_mut(part.len(objective.waypoints()));
+            rest = after;
+            match part {
+                ObservationPart::Gradient => part_out.copy_from_slice(gradient),
+                ObservationPart::Trajectory => part_out.copy_from_slice(x),
+                ObservationPart::ObstacleCost => {
+                    let (costs, mean) = part_out.split_at_mut(objective.waypoints());
+                    for (out, cost) in costs.iter_mut().zip(objective.waypoint_costs()) {
+                        *out = cost;
+                    }
+                    mean[0] = costs.iter().sum::<f32>() / costs.len() as f32;
+                }
+                ObservationPart::PreviousGradients { .. } => {
+                    part_out.copy_from_slice(&self.previous);
+                    let kept = self.previous.len() - gradient.len();
+                    self.previous.copy_within(..kept, gradient.len());
+                    self.previous[..gradient.len()].copy_from_slice(gradient);
+                }
+                ObservationPart::Obstacles { .. } => part_out.copy_from_slice(&self.obstacles),
+            }
+        }
+    }
+}
+
+/// `[count x 4]` of bounding box centre and size; shapes only, in the world's order.
+fn obstacle_boxes(
+    world: &World,
+    objective: &Objective,
+    count: usize,
+) -> Result<Vec<f32>, InvalidInput> {
+    let obstacles = world.obstacles();
+    if obstacles.len() > count || world.grid().is_some() {
+        let kind = if world.grid().is_some() { "an occupancy grid" } else { "shapes" };
+        return Err(InvalidInput::new(
+            "task.obstacles",
+            format!("{} obstacles ({kind})", obstacles.len()),
+            format!("at most {count} shapes, as the policy's observation obstacles:{count} holds"),
+        ));
+    }
+    let frame = objective.scene().frame();
+    let mut out = vec![0.0; 4 * count];
+    for (obstacle, out) in obstacles.iter().map(Obstacle::bounding_box).zip(out.chunks_mut(4)) {
+        let (min, max) = (frame.to_normalised(obstacle.min), frame.to_normalised(obstacle.max));
+        out.copy_from_slice(&[
+            0.5 * (min[0] + max[0]),
+            0.5 * (min[1] + max[1]),
+            max[0] - min[0],
+            max[1] - min[1],
+        ]);
+    }
+    Ok(out)
+}

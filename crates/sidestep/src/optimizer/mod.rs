@@ -1,0 +1,143 @@
+//! Optimizers: each turns a gradient into an update of the waypoints.
+//!
+//! A [`Method`] is a choice with its settings; an [`Optimizer`] is that method at work on one
+//! trajectory. Where it makes sense the classical methods follow their publications (named in each
+//! file). A learned optimizer is one more method, and nothing around it knows the difference.
+
+mod adam;
+mod chomp;
+mod gradient_descent;
+mod lbfgs;
+mod learned;
+mod momentum;
+mod stomp;
+
+use std::sync::Arc;
+
+use rand_chacha::ChaCha8Rng;
+
+use crate::error::InvalidInput;
+use crate::objective::{Cost, Objective};
+use crate::policy::Policy;
+use crate::task::Task;
+
+/// An optimizer and its settings. Steps are in normalised units.
+#[derive(Debug, Clone)]
+pub enum Method {
+    /// ξ ← ξ - γ ∂U.
+    GradientDescent {
+        /// Step γ; the profile's where none.
+        step: Option<f32>,
+    },
+    /// Gradient descent with backtracking (Armijo) line search.
+    LineSearch {
+        /// First step tried.
+        step: f32,
+    },
+    /// Gradient descent with heavy-ball momentum.
+    Momentum {
+        /// Step γ; the profile's where none.
+        step: Option<f32>,
+        /// Share of the last update that is kept, in [0, 1).
+        decay: f32,
+    },
+    /// Adam.
+    Adam {
+        /// Step α.
+        step: f32,
+    },
+    /// Covariant gradient descent.
+    Chomp {
+        /// Step 1 / η; a tenth of the profile's where none.
+        step: Option<f32>,
+    },
+    /// Limited-memory BFGS with a strong Wolfe line search.
+    Lbfgs {
+        /// Number of remembered updates.
+        memory: usize,
+    },
+    /// Stochastic trajectory optimization.
+    Stomp {
+        /// Noisy trajectories per iteration.
+        rollouts: usize,
+        /// Standard deviation of the largest noise component.
+        noise: f32,
+    },
+    /// A trained policy.
+    Learned(Arc<Policy>),
+}
+
+/// A method at work on one trajectory.
+#[derive(Debug)]
+pub struct Optimizer(State);
+
+#[derive(Debug)]
+enum State {
+    GradientDescent { step: f32 },
+    LineSearch(gradient_descent::LineSearch),
+    Momentum(momentum::Momentum),
+    Adam(adam::Adam),
+    Chomp(chomp::Chomp),
+    Lbfgs(Box<lbfgs::Lbfgs>),
+    Stomp(Box<stomp::Stomp>),
+    Learned(Box<learned::Learned>),
+}
+
+impl Optimizer {
+    /// Begins `method` on the trajectories of `objective`; `rng` is for methods that sample.
+    ///
+    /// # Errors
+    /// If a learned policy does not fit the task or its number of waypoints.
+    pub fn new(
+        method: &Method,
+        task: &Task,
+        objective: &Objective,
+        rng: ChaCha8Rng,
+    ) -> Result<Self, InvalidInput> {
+        let n = objective.dim();
+        let default_step = objective.scene().profile().gradient_step as f32;
+        Ok(Self(match *method {
+            Method::GradientDescent { step } => {
+                State::GradientDescent { step: step.unwrap_or(default_step) }
+            }
+            Method::LineSearch { step } => {
+                State::LineSearch(gradient_descent::LineSearch::new(step, n))
+            }
+            Method::Momentum { step, decay } => {
+                State::Momentum(momentum::Momentum::new(step.unwrap_or(default_step), decay, n))
+            }
+            Method::Adam { step } => State::Adam(adam::Adam::new(step, n)),
+            Method::Chomp { step } => {
+                State::Chomp(chomp::Chomp::new(step.unwrap_or(0.1 * default_step), n))
+            }
+            Method::Lbfgs { memory } => State::Lbfgs(Box::new(lbfgs::Lbfgs::new(memory, objective))),
+            Method::Stomp { rollouts, noise } => {
+                State::Stomp(Box::new(stomp::Stomp::new(rollouts, noise, n / 2, rng)))
+            }
+            Method::Learned(ref policy) => {
+                State::Learned(Box::new(learned::Learned::new(policy.clone(), task, objective)?))
+            }
+        }))
+    }
+
+    /// One iteration: updates the waypoints `x`, given U and its gradient there.
+    ///
+    /// Methods that need more evaluations make them on `objective`.
+    pub fn step(&mut self, x: &mut [f32], cost: Cost, gradient: &[f32], objective: &mut Objective) {
+        match &mut self.0 {
+            State::GradientDescent { step } => gradient_descent::step(*step, x, gradient),
+            State::LineSearch(search) => search.step(x, cost, gradient, objective),
+            State::Momentum(momentum) => momentum.step(x, gradient),
+            State::Adam(adam) => adam.step(x, gradient),
+            State::Chomp(chomp) => chomp.step(x, gradient),
+            State::Lbfgs(lbfgs) => lbfgs.step(x),
+            State::Stomp(stomp) => stomp.step(x, objective),
+            State::Learned(learned) => learned.step(x, gradient, objective),
+        }
+    }
+
+    /// Whether the method uses the gradient handed to [`Optimizer::step`].
+    pub fn uses_gradient(&self) -> bool {
+        !matches!(self.0, State::Lbfgs(_) | State::Stomp(_))
+    }
+}

@@ -1,0 +1,113 @@
+//! One optimizer on one start: the loop that everything above is made of.
+
+use std::ops::ControlFlow;
+
+use crate::objective::{Cost, Objective};
+use crate::optimizer::Optimizer;
+
+/// When a run ends before its budget of steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Until {
+    /// At the first iterate that the profile calls feasible.
+    Feasible,
+    /// At the first iterate that the exact certificate passes.
+    Certified,
+    /// Never: both checks are made at every iterate.
+    Spent,
+}
+
+/// One iterate, as a watcher sees it.
+#[derive(Debug, Clone, Copy)]
+pub struct Iteration<'a> {
+    /// Which start of a batch this is; 0 is the straight line.
+    pub start: usize,
+    /// Index of the iterate; 0 is the start trajectory itself.
+    pub index: usize,
+    /// U at the iterate.
+    pub cost: Cost,
+    /// The waypoints, `[N x 2]`, normalised units.
+    pub waypoints: &'a [f32],
+    /// Whether the check that ends the run passed.
+    pub solved: bool,
+}
+
+/// What a run found. Iterates are counted from 0, the start trajectory.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Run {
+    /// Optimizer steps made.
+    pub steps: usize,
+    /// First iterate that the profile's check passes.
+    pub first_feasible: Option<usize>,
+    /// Whether the last iterate passes the profile's check.
+    pub feasible_at_end: bool,
+    /// First iterate that the exact certificate passes.
+    pub first_certified: Option<usize>,
+    /// The certified iterate of least U.
+    pub best: Option<Best>,
+}
+
+/// A certified iterate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Best {
+    /// U there.
+    pub cost: f32,
+    /// The waypoints, `[N x 2]`, normalised units.
+    pub waypoints: Vec<f32>,
+}
+
+/// Walks `x` downhill for at most `steps` steps; `x` ends at the last iterate. `watch` sees each
+/// iterate and may break off.
+pub fn run(
+    objective: &mut Objective,
+    optimizer: &mut Optimizer,
+    x: &mut [f32],
+    steps: usize,
+    until: Until,
+    mut watch: impl FnMut(&Iteration<'_>) -> ControlFlow<()>,
+) -> Run {
+    let mut gradient = vec![0.0; x.len()];
+    let mut run = Run::default();
+    let exact_profile = objective.feasible_means_certified();
+    for index in 0..=steps {
+        let feasible = until != Until::Certified && objective.is_feasible(x);
+        let certified = match until {
+            Until::Feasible => feasible && exact_profile,
+            Until::Certified => objective.is_certified(x),
+            // What the samples refuse, the exact check refuses too.
+            Until::Spent => feasible && (exact_profile || objective.is_certified(x)),
+        };
+        let solved = if until == Until::Feasible { feasible } else { certified };
+        let ends = solved && until != Until::Spent || index == steps;
+        let cost = if optimizer.uses_gradient() {
+            objective.cost_and_gradient(x, &mut gradient)
+        } else {
+            objective.cost(x)
+        };
+        run.steps = index;
+        run.feasible_at_end = feasible;
+        if feasible {
+            run.first_feasible.get_or_insert(index);
+        }
+        if certified {
+            run.first_certified.get_or_insert(index);
+            keep_best(&mut run.best, cost.total, x);
+        }
+        let seen = Iteration { start: 0, index, cost, waypoints: x, solved };
+        if watch(&seen).is_break() || ends {
+            break;
+        }
+        optimizer.step(x, cost, &gradient, objective);
+    }
+    run
+}
+
+fn keep_best(best: &mut Option<Best>, cost: f32, x: &[f32]) {
+    match best {
+        None => *best = Some(Best { cost, waypoints: x.to_vec() }),
+        Some(best) if cost < best.cost => {
+            best.cost = cost;
+            best.waypoints.copy_from_slice(x);
+        }
+        Some(_) => {}
+    }
+}
