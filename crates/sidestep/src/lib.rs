@@ -5,6 +5,7 @@
 //! waypoints of a trajectory and an [`optimizer::Optimizer`] walks them downhill.
 
 pub mod distance;
+pub mod certificate;
 pub mod error;
 pub mod geometry;
 pub mod kernels;
@@ -22,6 +23,7 @@ mod task;
 mod trajectory;
 mod world;
 
+pub use certificate::{Certifier, Violation, certify};
 pub use error::InvalidInput;
 pub use robot::Robot;
 pub use task::Task;

@@ -8,7 +8,7 @@ mod image;
 mod shapes;
 mod transform;
 
-use crate::profile::{DistanceKind, Frame, Profile};
+use crate::profile::{DistanceKind, Profile};
 use crate::robot::Robot;
 use crate::world::World;
 

@@ -89,6 +89,7 @@ pub(crate) fn lane_sum(lanes: [f32; LANES]) -> f32 {
 macro_rules! dispatch {
     ($(#[$meta:meta])* $vis:vis fn $name:ident($($arg:ident: $ty:ty),* $(,)?) $(-> $ret:ty)? = $body:ident;) => {
         $(#[$meta])*
+        #[allow(unsafe_code, reason = "calls a function compiled for detected CPU features")]
         #[allow(clippy::too_many_arguments, reason = "kernels take flat slices and sizes")]
         #[inline]
         $vis fn $name(isa: $crate::kernels::Isa, $($arg: $ty),*) $(-> $ret)? {
