@@ -1,5 +1,6 @@
 //! Optimisation-based motion planning with classical and learned optimizers.
 
+pub mod certificate;
 pub mod error;
 pub mod geometry;
 pub mod kernels;
@@ -8,6 +9,7 @@ mod task;
 mod trajectory;
 mod world;
 
+pub use certificate::{Certifier, Violation, certify};
 pub use error::InvalidInput;
 pub use robot::Robot;
 pub use task::Task;
