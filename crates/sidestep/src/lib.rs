@@ -4,8 +4,8 @@
 //! [`Trajectory`] or the reason why there is none. Underneath, an [`objective::Objective`] scores the
 //! waypoints of a trajectory and an [`optimizer::Optimizer`] walks them downhill.
 
-pub mod distance;
 pub mod certificate;
+pub mod distance;
 pub mod error;
 pub mod geometry;
 pub mod kernels;

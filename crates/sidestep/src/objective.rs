@@ -264,7 +264,11 @@ dispatch! {
 
 // The same plain arithmetic on every instruction set, so the same bits.
 #[inline(always)]
-fn evaluate_body<const ISA: u8>(objective: &mut Objective, x: &[f32], gradient: Option<&mut [f32]>) -> Cost {
+fn evaluate_body<const ISA: u8>(
+    objective: &mut Objective,
+    x: &[f32],
+    gradient: Option<&mut [f32]>,
+) -> Cost {
     let Objective { scene, start, goal, buffers, .. } = objective;
     let profile = &scene.profile;
     let waypoints = x.as_chunks::<2>().0;

@@ -67,7 +67,9 @@ impl ObservationPart {
             ("gradient", None) => Ok(Self::Gradient),
             ("obstacle-cost", None) => Ok(Self::ObstacleCost),
             ("trajectory", None) => Ok(Self::Trajectory),
-            ("previous-gradients", _) => Ok(Self::PreviousGradients { count: count(MAX_PREVIOUS)? }),
+            ("previous-gradients", _) => {
+                Ok(Self::PreviousGradients { count: count(MAX_PREVIOUS)? })
+            }
             ("obstacles", _) => Ok(Self::Obstacles { count: count(MAX_OBSTACLES)? }),
             _ => Err(refuse(
                 "gradient, obstacle-cost, previous-gradients:K, trajectory or obstacles:K".into(),

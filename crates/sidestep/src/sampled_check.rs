@@ -142,9 +142,8 @@ impl General {
         let reach = (self.radius / grid.resolution()).ceil() as i64;
         let (column, row) = grid.cell_of(p);
         !(row - reach..=row + reach).any(|j| {
-            (column - reach..=column + reach).any(|i| {
-                grid.is_occupied(i, j) && grid.cell_rect(i, j).signed_distance(p) < least
-            })
+            (column - reach..=column + reach)
+                .any(|i| grid.is_occupied(i, j) && grid.cell_rect(i, j).signed_distance(p) < least)
         })
     }
 }

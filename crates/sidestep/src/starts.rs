@@ -6,9 +6,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::InvalidInput;
+use crate::geometry::Rect;
 use crate::objective::Objective;
 use crate::profile::Frame;
-use crate::geometry::Rect;
 
 /// How random start trajectories are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -42,9 +42,17 @@ impl StartStrategy {
     /// # Errors
     /// If there is none.
     pub fn named(name: &str) -> Result<Self, InvalidInput> {
-        Self::NAMES.iter().find(|(known, _)| *known == name).map(|&(_, strategy)| strategy).ok_or_else(
-            || InvalidInput::new("start-strategy", name, Self::NAMES.map(|(known, _)| known).join(", ")),
-        )
+        Self::NAMES
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|&(_, strategy)| strategy)
+            .ok_or_else(|| {
+                InvalidInput::new(
+                    "start-strategy",
+                    name,
+                    Self::NAMES.map(|(known, _)| known).join(", "),
+                )
+            })
     }
 
     /// The strategy's name.
@@ -67,9 +75,8 @@ impl StartStrategy {
             Self::Sorted => {
                 points.fill_with(|| field.draw(rng));
                 let (start, goal) = (objective.start(), objective.goal());
-                let along = |p: &[f32; 2]| {
-                    p[0] * (goal[0] - start[0]) + p[1] * (goal[1] - start[1])
-                };
+                let along =
+                    |p: &[f32; 2]| p[0] * (goal[0] - start[0]) + p[1] * (goal[1] - start[1]);
                 points.sort_by(|p, q| along(p).total_cmp(&along(q)));
             }
             Self::Paper => {
@@ -113,7 +120,9 @@ pub fn polyline(corners: &[[f32; 2]], out: &mut [[f32; 2]]) {
     let mut passed = 0.0;
     for (i, p) in out.iter_mut().enumerate() {
         let target = total * (i + 1) as f32 / segments;
-        while corner + 2 < corners.len() && passed + length(corners[corner], corners[corner + 1]) < target {
+        while corner + 2 < corners.len()
+            && passed + length(corners[corner], corners[corner + 1]) < target
+        {
             passed += length(corners[corner], corners[corner + 1]);
             corner += 1;
         }

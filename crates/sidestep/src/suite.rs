@@ -56,9 +56,9 @@ impl Suite {
     /// # Errors
     /// If there is none.
     pub fn named(name: &str) -> Result<Self, InvalidInput> {
-        Self::NAMES.iter().find(|(known, _)| *known == name).map(|&(_, suite)| suite).ok_or_else(|| {
-            InvalidInput::new("suite", name, Self::NAMES.map(|(known, _)| known).join(", "))
-        })
+        Self::NAMES.iter().find(|(known, _)| *known == name).map(|&(_, suite)| suite).ok_or_else(
+            || InvalidInput::new("suite", name, Self::NAMES.map(|(known, _)| known).join(", ")),
+        )
     }
 
     /// The suite's name.

@@ -168,8 +168,8 @@ impl ImageField {
     fn bilinear_exact(&self, p: [f32; 2]) -> (f32, [f32; 2]) {
         let (column, row, tx, ty) = self.locate(p[0], p[1]);
         let d = |i: usize, j: usize| {
-            self.texels[(row + j).min(self.height - 1) * self.width
-                + (column + i).min(self.width - 1)][0]
+            self.texels
+                [(row + j).min(self.height - 1) * self.width + (column + i).min(self.width - 1)][0]
         };
         let (a, b, c, e) = (d(0, 0), d(1, 0), d(0, 1), d(1, 1));
         let distance = (a + tx * (b - a)) * (1.0 - ty) + (c + tx * (e - c)) * ty;
@@ -296,7 +296,10 @@ mod tests {
                 let p = [0.31 + 0.0273 * i as f32, 0.29 + 0.0171 * i as f32];
                 let p = [p[0] % 6.0, p[1] % 4.0];
                 let h = 2e-3;
-                let (u, v) = ((p[0] - field.origin[0]) * field.density, (p[1] - field.origin[1]) * field.density);
+                let (u, v) = (
+                    (p[0] - field.origin[0]) * field.density,
+                    (p[1] - field.origin[1]) * field.density,
+                );
                 if [u, v].iter().any(|c| (c - c.round()).abs() < 0.02 || *c < 0.1) {
                     continue;
                 }

@@ -22,7 +22,8 @@ impl Adam {
     pub fn step(&mut self, x: &mut [f32], gradient: &[f32]) {
         self.decayed *= DECAY;
         self.decayed_square *= DECAY_SQUARE;
-        let (unbias, unbias_square) = (1.0 / (1.0 - self.decayed), 1.0 / (1.0 - self.decayed_square));
+        let (unbias, unbias_square) =
+            (1.0 / (1.0 - self.decayed), 1.0 / (1.0 - self.decayed_square));
         for (i, (x, g)) in x.iter_mut().zip(gradient).enumerate() {
             self.mean[i] = DECAY * self.mean[i] + (1.0 - DECAY) * g;
             self.square[i] = DECAY_SQUARE * self.square[i] + (1.0 - DECAY_SQUARE) * g * g;

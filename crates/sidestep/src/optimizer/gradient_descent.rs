@@ -26,20 +26,15 @@ impl LineSearch {
         Self { first_step, trial: vec![0.0; n] }
     }
 
-    pub fn step(
-        &mut self,
-        x: &mut [f32],
-        cost: Cost,
-        gradient: &[f32],
-        objective: &mut Objective,
-    ) {
+    pub fn step(&mut self, x: &mut [f32], cost: Cost, gradient: &[f32], objective: &mut Objective) {
         let slope: f32 = gradient.iter().map(|g| g * g).sum();
         let mut step = self.first_step;
         for _ in 0..MAX_HALVINGS {
             for ((trial, x), g) in self.trial.iter_mut().zip(&*x).zip(gradient) {
                 *trial = x - step * g;
             }
-            if objective.cost(&self.trial).total <= cost.total - SUFFICIENT_DECREASE * step * slope {
+            if objective.cost(&self.trial).total <= cost.total - SUFFICIENT_DECREASE * step * slope
+            {
                 x.copy_from_slice(&self.trial);
                 return;
             }

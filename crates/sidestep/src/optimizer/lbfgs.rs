@@ -36,7 +36,8 @@ impl std::fmt::Debug for Lbfgs {
 
 impl Lbfgs {
     pub fn new(memory: usize, objective: &Objective) -> Self {
-        let adapter = Adapter { objective: RefCell::new(objective.clone()), tries: RefCell::default() };
+        let adapter =
+            Adapter { objective: RefCell::new(objective.clone()), tries: RefCell::default() };
         Self { memory, problem: Problem::new(adapter), running: None, stuck: false }
     }
 

@@ -103,7 +103,9 @@ impl Optimizer {
             Method::Chomp { step } => {
                 State::Chomp(chomp::Chomp::new(step.unwrap_or(0.1 * default_step), n))
             }
-            Method::Lbfgs { memory } => State::Lbfgs(Box::new(lbfgs::Lbfgs::new(memory, objective))),
+            Method::Lbfgs { memory } => {
+                State::Lbfgs(Box::new(lbfgs::Lbfgs::new(memory, objective)))
+            }
             Method::Stomp { rollouts, noise } => {
                 State::Stomp(Box::new(stomp::Stomp::new(rollouts, noise, n / 2, rng)))
             }

@@ -35,7 +35,8 @@ impl Stomp {
         let factor = cholesky(&inverse.iter().map(|v| v / largest).collect::<Vec<_>>(), n);
         let mut smoothing = vec![0.0; n * n];
         for column in 0..n {
-            let peak = (0..n).map(|i| inverse[i * n + column].abs()).fold(f64::MIN_POSITIVE, f64::max);
+            let peak =
+                (0..n).map(|i| inverse[i * n + column].abs()).fold(f64::MIN_POSITIVE, f64::max);
             for row in 0..n {
                 smoothing[row * n + column] = (inverse[row * n + column] / peak / n as f64) as f32;
             }
@@ -95,8 +96,7 @@ fn draw_noise(rng: &mut ChaCha8Rng, factor: &[f32], noise: &mut [f32]) {
     let normals: Vec<f32> = (0..n).flat_map(|_| normal_pair(rng)).collect();
     for i in 0..n {
         for axis in 0..2 {
-            noise[2 * i + axis] =
-                (0..=i).map(|j| factor[i * n + j] * normals[2 * j + axis]).sum();
+            noise[2 * i + axis] = (0..=i).map(|j| factor[i * n + j] * normals[2 * j + axis]).sum();
         }
     }
 }
@@ -111,9 +111,8 @@ fn normal_pair(rng: &mut ChaCha8Rng) -> [f32; 2] {
 /// (AᵀA)⁻¹ = K⁻¹ K⁻¹ for A = K, the tridiagonal second difference matrix, with
 /// K⁻¹_ij = min(i, j) (n + 1 - max(i, j)) / (n + 1), counting from 1.
 fn inverse_second_difference_metric(n: usize) -> Vec<f64> {
-    let inverse = |i: usize, j: usize| {
-        (i.min(j) + 1) as f64 * (n - i.max(j)) as f64 / (n + 1) as f64
-    };
+    let inverse =
+        |i: usize, j: usize| (i.min(j) + 1) as f64 * (n - i.max(j)) as f64 / (n + 1) as f64;
     let entry = |i: usize, j: usize| (0..n).map(|k| inverse(i, k) * inverse(k, j)).sum();
     (0..n * n).map(|index| entry(index / n, index % n)).collect()
 }
@@ -125,8 +124,7 @@ fn cholesky(matrix: &[f64], n: usize) -> Vec<f64> {
         for j in 0..=i {
             let dot: f64 = (0..j).map(|k| l[i * n + k] * l[j * n + k]).sum();
             let rest = matrix[i * n + j] - dot;
-            l[i * n + j] =
-                if i == j { rest.max(1e-12).sqrt() } else { rest / l[j * n + j] };
+            l[i * n + j] = if i == j { rest.max(1e-12).sqrt() } else { rest / l[j * n + j] };
         }
     }
     l
