@@ -3,9 +3,21 @@
 //! Nothing here opens a file, reads a clock or writes to a terminal; where a file names another
 //! file (a ROS map its image), the caller passes a function that loads it.
 
+pub mod benchmarks;
 mod error;
 mod json;
+pub mod movingai;
+pub mod ros_map;
 pub mod task_json;
+
+use std::sync::Arc;
+
+use sidestep::{Grid, World};
 
 pub use error::{FormatError, Place};
 pub use task_json::{TaskFormat, read_tasks, write_task, write_tasks};
+
+/// A world that holds one grid and is as large as it.
+pub fn grid_world(grid: Grid) -> Arc<World> {
+    Arc::new(World::new(grid.rect(), Vec::new(), Some(grid)))
+}

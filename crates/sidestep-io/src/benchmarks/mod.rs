@@ -1,0 +1,4 @@
+//! Worlds of other groups' benchmarks, as they publish them.
+
+pub mod barn;
+pub mod mpnet;

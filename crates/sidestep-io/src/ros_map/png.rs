@@ -1,0 +1,66 @@
+//! PNG images through the `png` crate, as one brightness a pixel.
+
+use std::io::Cursor;
+
+use png::{BitDepth, Decoder, DecodingError, Limits, Transformations};
+
+use super::{Image, Shade, check_size, wrong_image};
+use crate::error::FormatError;
+
+/// Deflate packs at most 1032 bytes into one; a file that claims more pixels than that lies.
+const MOST_PACKED: u64 = 1032;
+
+/// Most memory that one decoded image may take; a grid of the largest size fits in it as 8-bit grey.
+const MOST_MEMORY: usize = 1 << 30;
+
+/// The image, of any colour type and depth that PNG has.
+pub(super) fn read(bytes: &[u8]) -> Result<Image, FormatError> {
+    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: MOST_MEMORY });
+    // Palettes and depths under 8 bits become 8-bit grey or colour, with alpha where there is any.
+    decoder.set_transformations(Transformations::EXPAND);
+    let header = decoder.read_header_info().map_err(broken)?;
+    let (width, height) = (u64::from(header.width), u64::from(header.height));
+    let packed = bytes.len() as u64 * MOST_PACKED * 8;
+    let most = packed / header.bits_per_pixel() as u64;
+    check_size(width, height, most, "1032 bytes a byte of file at most", bytes.len())?;
+
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let size =
+        reader.output_buffer_size().filter(|&size| size <= MOST_MEMORY).ok_or_else(|| {
+            let expected = format!("at most {MOST_MEMORY} bytes when unpacked");
+            wrong_image(format!("{width} x {height} pixels"), expected)
+        })?;
+    let mut samples = vec![0; size];
+    let info = reader.next_frame(&mut samples).map_err(broken)?;
+    let channels = info.color_type.samples();
+    // Grey and RGB with alpha have an even number of channels, the last of them alpha.
+    let has_alpha = channels % 2 == 0;
+    let shades = if info.bit_depth == BitDepth::Sixteen {
+        let pairs: Vec<u16> =
+            samples.as_chunks::<2>().0.iter().map(|&pair| u16::from_be_bytes(pair)).collect();
+        pairs.chunks_exact(channels).map(|pixel| shade(pixel, has_alpha, u16::MAX)).collect()
+    } else {
+        let pixel = |bytes: &[u8]| {
+            let mut values = [0_u16; 4];
+            values.iter_mut().zip(bytes).for_each(|(value, &byte)| *value = u16::from(byte));
+            shade(&values[..channels], has_alpha, 255)
+        };
+        samples.chunks_exact(channels).map(pixel).collect()
+    };
+    Ok(Image { width: width as usize, shades })
+}
+
+/// The mean of the colour channels, rounded.
+fn shade(pixel: &[u16], has_alpha: bool, white: u16) -> Shade {
+    let (colours, alpha) = match pixel {
+        [colours @ .., alpha] if has_alpha => (colours, *alpha),
+        colours => (colours, white),
+    };
+    let sum: u32 = colours.iter().map(|&value| u32::from(value)).sum();
+    let count = colours.len().max(1) as u32;
+    Shade { value: ((sum + count / 2) / count) as u16, white, opaque: alpha == white }
+}
+
+fn broken(error: DecodingError) -> FormatError {
+    wrong_image(format!("a broken PNG ({error})"), "a whole PNG image")
+}
