@@ -9,6 +9,7 @@ pub mod distance;
 pub mod error;
 pub mod geometry;
 pub mod kernels;
+pub mod network;
 pub mod objective;
 pub mod observation;
 pub mod optimizer;

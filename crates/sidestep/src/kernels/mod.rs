@@ -15,8 +15,12 @@
 #![allow(unsafe_code, reason = "calling functions compiled for detected CPU features")]
 
 mod adam;
+pub(crate) mod dense;
+mod norm;
+mod tanh;
 
 pub use adam::AdamStep;
+pub use norm::squared_norm;
 
 /// Lanes of an accumulator: one AVX-512 register, two of AVX2, four of SSE2 or NEON.
 pub(crate) const LANES: usize = 16;
