@@ -16,6 +16,8 @@
 //! and panels differ per instruction set but not the chains, so one row alone, the same row in a batch, AVX2
 //! and AVX-512 all give the same bits.
 
+#![allow(clippy::too_many_arguments, reason = "kernels take flat slices and sizes")]
+
 use super::tanh::{tanh, tanh_slope};
 use super::{AVX512, LANES, dispatch, madd};
 
