@@ -4,6 +4,7 @@
 //! [`Trajectory`] or the reason why there is none. Underneath, an [`objective::Objective`] scores the
 //! waypoints of a trajectory and an [`optimizer::Optimizer`] walks them downhill.
 
+mod bit_grid;
 pub mod certificate;
 pub mod distance;
 pub mod error;
@@ -18,6 +19,7 @@ pub mod rng;
 mod robot;
 pub mod run;
 mod sampled_check;
+pub mod shortest_path;
 pub mod starts;
 pub mod suite;
 mod task;
@@ -27,6 +29,7 @@ mod world;
 pub use certificate::{Certifier, Violation, certify};
 pub use error::InvalidInput;
 pub use robot::Robot;
+pub use shortest_path::{Route, ShortestPath};
 pub use task::Task;
 pub use trajectory::Trajectory;
 pub use world::{Grid, MAX_GRID_CELLS, Obstacle, World};
