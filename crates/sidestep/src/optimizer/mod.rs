@@ -8,13 +8,17 @@ mod adam;
 mod chomp;
 mod gradient_descent;
 mod lbfgs;
+mod learned;
 mod momentum;
 mod stomp;
+
+use std::sync::Arc;
 
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::InvalidInput;
 use crate::objective::{Cost, Objective};
+use crate::policy::Policy;
 use crate::task::Task;
 
 /// An optimizer and its settings. Steps are in normalised units.
@@ -59,6 +63,8 @@ pub enum Method {
         /// Standard deviation of the largest noise component.
         noise: f32,
     },
+    /// A trained policy.
+    Learned(Arc<Policy>),
 }
 
 /// A method at work on one trajectory.
@@ -74,6 +80,7 @@ enum State {
     Chomp(chomp::Chomp),
     Lbfgs(Box<lbfgs::Lbfgs>),
     Stomp(Box<stomp::Stomp>),
+    Learned(Box<learned::Learned>),
 }
 
 impl Optimizer {
@@ -107,7 +114,10 @@ impl Optimizer {
                 State::Lbfgs(Box::new(lbfgs::Lbfgs::new(memory, objective)))
             }
             Method::Stomp { rollouts, noise } => {
-                State::Stomp(Box::new(stomp::Stomp::new(rollouts, noise, n / 2, rng)))
+                State::Stomp(Box::new(stomp::Stomp::new(rollouts, noise, n / 2, rng)?))
+            }
+            Method::Learned(ref policy) => {
+                State::Learned(Box::new(learned::Learned::new(policy.clone(), task, objective)?))
             }
         }))
     }
@@ -124,6 +134,7 @@ impl Optimizer {
             State::Chomp(chomp) => chomp.step(x, gradient),
             State::Lbfgs(lbfgs) => lbfgs.step(x),
             State::Stomp(stomp) => stomp.step(x, objective),
+            State::Learned(learned) => learned.step(x, gradient, objective),
         }
     }
 

@@ -7,6 +7,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+use crate::error::InvalidInput;
 use crate::objective::Objective;
 
 #[derive(Debug)]
@@ -26,9 +27,20 @@ pub(super) struct Stomp {
 
 /// How sharply the best rollouts are preferred (the publication's h).
 const SENSITIVITY: f32 = 10.0;
+/// Most waypoints: the noise needs matrices of N x N numbers and N³ steps to make them.
+const MAX_WAYPOINTS: usize = 500;
 
 impl Stomp {
-    pub fn new(rollouts: usize, noise: f32, waypoints: usize, rng: ChaCha8Rng) -> Self {
+    pub fn new(
+        rollouts: usize,
+        noise: f32,
+        waypoints: usize,
+        rng: ChaCha8Rng,
+    ) -> Result<Self, InvalidInput> {
+        if waypoints > MAX_WAYPOINTS {
+            let allowed = format!("at most {MAX_WAYPOINTS} with stomp");
+            return Err(InvalidInput::new("waypoints", waypoints, allowed));
+        }
         let n = waypoints;
         let inverse = inverse_second_difference_metric(n);
         let largest = (0..n).map(|i| inverse[i * n + i]).fold(f64::MIN_POSITIVE, f64::max);
@@ -41,7 +53,7 @@ impl Stomp {
                 smoothing[row * n + column] = (inverse[row * n + column] / peak / n as f64) as f32;
             }
         }
-        Self {
+        Ok(Self {
             rollouts,
             rng,
             factor: factor.iter().map(|&v| v as f32 * noise).collect(),
@@ -49,7 +61,7 @@ impl Stomp {
             noise: vec![0.0; rollouts * n * 2],
             costs: vec![0.0; rollouts * n],
             trial: vec![0.0; n * 2],
-        }
+        })
     }
 
     pub fn step(&mut self, x: &mut [f32], objective: &mut Objective) {

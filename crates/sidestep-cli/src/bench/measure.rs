@@ -1,0 +1,252 @@
+//! One planner on sets of tasks: success, iterations, time and quality.
+//!
+//! Three passes: the planner as it is used, on all cores, for success and quality; for optimizers, every
+//! iterate of every start with both checks, for the paper's any-step and end-state success; and the
+//! first tasks of each set once more on one thread, for times.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::time::Instant;
+
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use sidestep::objective::{Objective, Scene};
+use sidestep::optimizer::{Method, Optimizer};
+use sidestep::plan::{Options, Plan, Planner, Status, plan};
+use sidestep::rng::{Purpose, stream};
+use sidestep::run::{Run, Until, run};
+use sidestep::{Task, Trajectory};
+
+use super::report::Row;
+use super::statistics::{mean, quantile, student_interval, wilson_interval};
+use crate::failure::Failure;
+
+/// What the exact search says of a task.
+#[derive(Debug, Clone, Copy)]
+pub enum Exact {
+    /// There is a path, the shortest of this length.
+    Solvable {
+        /// In task units.
+        length: f64,
+    },
+    /// Proved: there is none.
+    Unsolvable,
+    /// Not decided.
+    Undecided,
+}
+
+/// The tasks of one seed or file with their exact answers.
+pub struct TaskSet {
+    /// Seed or file.
+    pub label: String,
+    /// The tasks.
+    pub tasks: Vec<Task>,
+    /// One answer per task.
+    pub exact: Vec<Exact>,
+}
+
+/// Measures one planner; steps `bar` twice per task.
+pub fn row(
+    name: &str,
+    planner: &Planner,
+    suite: &str,
+    sets: &[TaskSet],
+    options: &Options,
+    timed: usize,
+    bar: &ProgressBar,
+) -> Result<Row, Failure> {
+    let mut outcomes = Vec::new();
+    for set in sets {
+        outcomes.push(plans(set, planner, options, bar)?);
+    }
+    let solved = |plans: &[Plan]| plans.iter().filter(|p| p.status == Status::Solved).count();
+    let shares: Vec<f64> =
+        outcomes.iter().map(|plans| solved(plans) as f64 / plans.len() as f64).collect();
+    let tasks: usize = sets.iter().map(|set| set.tasks.len()).sum();
+    let successes: usize = outcomes.iter().map(|plans| solved(plans)).sum();
+    let pairs = || {
+        let exact = sets.iter().flat_map(|set| &set.exact);
+        outcomes.iter().flatten().zip(exact)
+    };
+    let count = |keep: fn(&Exact) -> bool| pairs().filter(|(_, exact)| keep(exact)).count();
+    let solvable = count(|exact| matches!(exact, Exact::Solvable { .. }));
+    let solved_solvable = pairs()
+        .filter(|(plan, exact)| {
+            plan.status == Status::Solved && matches!(exact, Exact::Solvable { .. })
+        })
+        .count();
+    let contradictions = pairs()
+        .filter(|(plan, exact)| plan.status == Status::Solved && matches!(exact, Exact::Unsolvable))
+        .count();
+    let mut ratios = quality(pairs(), |path, length| path.length() / length);
+    let mut roughness = quality(pairs(), |path, length| path.roughness() / (length * length));
+    let every = match planner {
+        Planner::Optimizer(method) => Some(every_iterate(sets, method, options, bar)?),
+        _ => None,
+    };
+    let mut times = times(sets, planner, options, timed)?;
+    let share = |count: usize| count as f64 / tasks as f64;
+    Ok(Row {
+        planner: name.into(),
+        suite: suite.into(),
+        starts: options.starts,
+        tasks,
+        solvable,
+        undecided: count(|exact| matches!(exact, Exact::Undecided)),
+        solved_any: every.as_ref().map(|every| share(every.any)),
+        solved_end: every.as_ref().map(|every| share(every.end)),
+        certified: every.as_ref().map_or(share(successes), |every| share(every.certified)),
+        success: share(successes),
+        success_ci95: student_interval(&shares)
+            .filter(|_| shares.len() >= 3)
+            .unwrap_or_else(|| wilson_interval(successes, tasks)),
+        success_by_group: shares,
+        success_of_solvable: solved_solvable as f64 / solvable.max(1) as f64,
+        contradictions,
+        iterations_mean: every.as_ref().and_then(|every| mean(&every.iterations)),
+        iterations_median: every.as_ref().and_then(|e| quantile(&mut e.iterations.clone(), 0.5)),
+        us_per_iteration: every.as_ref().map(|every| every.us_per_iteration),
+        us_per_plan_median: quantile(&mut times, 0.5).unwrap_or_default(),
+        us_per_plan_p95: quantile(&mut times, 0.95).unwrap_or_default(),
+        length_ratio_median: quantile(&mut ratios, 0.5),
+        roughness_median: quantile(&mut roughness, 0.5),
+    })
+}
+
+fn plans(
+    set: &TaskSet,
+    planner: &Planner,
+    options: &Options,
+    bar: &ProgressBar,
+) -> Result<Vec<Plan>, Failure> {
+    let plan_one = |(index, task): (usize, &Task)| {
+        let outcome = plan(task, planner, &Options { index: index as u64, ..options.clone() });
+        bar.inc(1);
+        outcome
+    };
+    let plans: Result<_, _> = set.tasks.par_iter().enumerate().map(plan_one).collect();
+    plans.map_err(|error| Failure::at(&set.label, error))
+}
+
+/// A figure of each certified plan whose optimal length is known and not 0.
+fn quality<'a>(
+    pairs: impl Iterator<Item = (&'a Plan, &'a Exact)>,
+    figure: impl Fn(&Trajectory, f64) -> f64,
+) -> Vec<f64> {
+    pairs
+        .filter_map(|(plan, exact)| match (&plan.status, &plan.trajectory, exact) {
+            (Status::Solved, Some(path), Exact::Solvable { length }) if *length > 0.0 => {
+                Some(figure(path, *length))
+            }
+            _ => None,
+        })
+        .collect()
+}
+
+/// Seconds per plan of the first `timed` tasks of each set, one after the other, in microseconds.
+fn times(
+    sets: &[TaskSet],
+    planner: &Planner,
+    options: &Options,
+    timed: usize,
+) -> Result<Vec<f64>, Failure> {
+    // One thread: planning must not spread its starts over the cores.
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .map_err(|error| Failure::at("threads", error))?;
+    pool.install(|| {
+        let mut times = Vec::new();
+        for set in sets {
+            for (index, task) in set.tasks.iter().take(timed).enumerate() {
+                let options = Options { index: index as u64, ..options.clone() };
+                let begin = Instant::now();
+                std::hint::black_box(plan(task, planner, &options)?);
+                times.push(begin.elapsed().as_secs_f64() * 1e6);
+            }
+        }
+        Ok(times)
+    })
+}
+
+/// Any-step and end-state figures.
+struct EveryIterate {
+    any: usize,
+    end: usize,
+    certified: usize,
+    /// First feasible iterate of each task that has one, the least over its starts.
+    iterations: Vec<f64>,
+    us_per_iteration: f64,
+}
+
+fn every_iterate(
+    sets: &[TaskSet],
+    method: &Method,
+    options: &Options,
+    bar: &ProgressBar,
+) -> Result<EveryIterate, Failure> {
+    let mut every = EveryIterate {
+        any: 0,
+        end: 0,
+        certified: 0,
+        iterations: Vec::new(),
+        us_per_iteration: 0.0,
+    };
+    let (mut seconds, mut steps) = (0.0, 0);
+    for set in sets {
+        let run_one = |(index, task): (usize, &Task)| {
+            let outcome = all_starts(task, index as u64, method, options);
+            bar.inc(1);
+            outcome
+        };
+        let runs: Vec<(Vec<Run>, f64)> = set
+            .tasks
+            .par_iter()
+            .enumerate()
+            .map(run_one)
+            .collect::<Result<_, sidestep::InvalidInput>>()
+            .map_err(|error| Failure::at(&set.label, error))?;
+        for (runs, spent) in runs {
+            seconds += spent;
+            steps += runs.iter().map(|run| run.steps).sum::<usize>();
+            let first = runs.iter().filter_map(|run| run.first_feasible).min();
+            every.any += usize::from(first.is_some());
+            every.end += usize::from(runs.iter().any(|run| run.feasible_at_end));
+            every.certified += usize::from(runs.iter().any(|run| run.first_certified.is_some()));
+            every.iterations.extend(first.map(|index| index as f64));
+        }
+    }
+    every.us_per_iteration = seconds * 1e6 / steps.max(1) as f64;
+    Ok(every)
+}
+
+/// Runs every start to the end, and the seconds that the iterations took.
+fn all_starts(
+    task: &Task,
+    index: u64,
+    method: &Method,
+    options: &Options,
+) -> Result<(Vec<Run>, f64), sidestep::InvalidInput> {
+    let scene = Arc::new(Scene::new(&task.world, task.robot, &options.profile));
+    let waypoints = options.waypoints.unwrap_or(options.profile.waypoints);
+    let mut objective = Objective::new(task, scene, waypoints)?;
+    let mut x = vec![0.0; objective.dim()];
+    let mut seconds = 0.0;
+    let mut runs = Vec::with_capacity(options.starts);
+    for start in 0..options.starts {
+        if start == 0 {
+            objective.straight_line(&mut x);
+        } else {
+            let mut rng = stream(options.seed, Purpose::Start, index, start as u64);
+            options.strategy.draw(&objective, task.world.bounds(), &mut rng, &mut x);
+        }
+        let rng = stream(options.seed, Purpose::Planner, index, start as u64);
+        let mut optimizer = Optimizer::new(method, task, &objective, rng)?;
+        let begin = Instant::now();
+        runs.push(run(&mut objective, &mut optimizer, &mut x, options.steps, Until::Spent, |_| {
+            ControlFlow::Continue(())
+        }));
+        seconds += begin.elapsed().as_secs_f64();
+    }
+    Ok((runs, seconds))
+}

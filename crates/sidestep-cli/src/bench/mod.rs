@@ -1,0 +1,160 @@
+//! `sidestep bench`: planners on suites and task files, as a report.
+//!
+//! Measuring ([`measure`]) never formats and rendering ([`crate::table`]) never measures.
+
+mod measure;
+pub mod report;
+mod statistics;
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use rayon::prelude::*;
+use sidestep::Task;
+use sidestep::plan::Options;
+use sidestep::profile::Profile;
+use sidestep::shortest_path::{Route, ShortestPath};
+use sidestep::suite::Suite;
+
+use crate::Global;
+use crate::failure::Failure;
+use crate::input::{self, Overrides};
+use crate::machine::Provenance;
+use crate::output;
+use crate::planning::{PlanningArgs, planner};
+use crate::table;
+use measure::{Exact, TaskSet};
+use report::Report;
+
+/// Arguments of `bench`.
+#[derive(Args)]
+pub struct BenchArgs {
+    /// Suite: easy, hard, hard-training, mix or time
+    #[arg(long, conflicts_with = "tasks", required_unless_present = "tasks")]
+    suite: Option<String>,
+    /// Tasks per seed
+    #[arg(long, default_value_t = 1000)]
+    count: usize,
+    /// Task seeds of the suite
+    #[arg(long, value_delimiter = ',', default_values_t = [2, 12, 22, 32, 42])]
+    seeds: Vec<u64>,
+    /// Task files in place of a suite
+    #[arg(long, num_args = 1..)]
+    tasks: Vec<PathBuf>,
+    /// Use at most this many tasks of each file
+    #[arg(long)]
+    limit: Option<usize>,
+    /// A disc robot of this radius in place of the files'
+    #[arg(long)]
+    robot_radius: Option<f64>,
+    /// Planner, as NAME[:key=value,...]; may be given several times
+    #[arg(long, required = true)]
+    planner: Vec<String>,
+    #[command(flatten)]
+    planning: PlanningArgs,
+    /// Tasks per seed or file that are timed, one after the other on one thread
+    #[arg(long, default_value_t = 200)]
+    timed: usize,
+    /// Write the report here
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+/// Measures and prints.
+pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
+    let begin = Instant::now();
+    let (name, groups) = task_groups(args)?;
+    let extent = groups[0].1[0].world.bounds().extent();
+    let options = args.planning.options(extent)?;
+    let planners: Vec<_> = args
+        .planner
+        .iter()
+        .map(|name| Ok((name, planner(name)?)))
+        .collect::<Result<_, Failure>>()?;
+    let total = groups.iter().map(|(_, tasks)| tasks.len() as u64).sum::<u64>();
+    let bar = output::progress("exact shortest paths", total, global.quiet);
+    let sets: Vec<TaskSet> = groups
+        .into_iter()
+        .map(|(label, tasks)| {
+            let exact = exact_answers(&tasks, &bar);
+            TaskSet { label, tasks, exact }
+        })
+        .collect();
+    bar.finish_and_clear();
+    let mut rows = Vec::new();
+    for (planner_name, planner) in &planners {
+        let bar = output::progress(planner_name, 2 * total, global.quiet);
+        rows.push(measure::row(planner_name, planner, &name, &sets, &options, args.timed, &bar)?);
+        bar.finish_and_clear();
+    }
+    let report = Report {
+        format: report::FORMAT.into(),
+        kind: "bench".into(),
+        provenance: Provenance::here(begin.elapsed().as_secs_f64()),
+        settings: settings(args, &options),
+        rows,
+    };
+    if let Some(path) = &args.out {
+        output::write_json(path, &report)?;
+    }
+    if global.json { output::print_json(&report) } else { output::print(&table::markdown(&report)) }
+}
+
+fn settings(args: &BenchArgs, options: &Options) -> report::Settings {
+    report::Settings {
+        profile: options.profile.name.into(),
+        steps: options.steps,
+        waypoints: options.waypoints.unwrap_or(options.profile.waypoints),
+        start_strategy: options.strategy.name().into(),
+        task_seeds: if args.suite.is_some() { args.seeds.clone() } else { Vec::new() },
+        planning_seed: options.seed,
+    }
+}
+
+type Groups = Vec<(String, Vec<Task>)>;
+
+/// The name of the whole and its groups: one per seed or file.
+fn task_groups(args: &BenchArgs) -> Result<(String, Groups), Failure> {
+    let groups: Groups = match &args.suite {
+        Some(suite) => {
+            let suite = Suite::named(suite)?;
+            let tasks = |seed: &u64| suite.generate(args.count, *seed, &Profile::PAPER);
+            args.seeds.iter().map(|seed| (format!("seed {seed}"), tasks(seed))).collect()
+        }
+        None => {
+            let overrides = Overrides { robot_radius: args.robot_radius, ..Overrides::default() };
+            let read = |path: &PathBuf| {
+                let mut tasks = input::read(path, &overrides)?;
+                tasks.truncate(args.limit.unwrap_or(usize::MAX));
+                let label =
+                    path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into());
+                Ok((label, tasks))
+            };
+            args.tasks.iter().map(read).collect::<Result<_, Failure>>()?
+        }
+    };
+    if groups.is_empty() || groups.iter().any(|(_, tasks)| tasks.is_empty()) {
+        return Err(Failure(
+            "no tasks: --count, --seeds and --limit must leave at least one".into(),
+        ));
+    }
+    let labels: Vec<&str> = groups.iter().map(|(label, _)| label.as_str()).collect();
+    let name = args.suite.clone().unwrap_or_else(|| labels.join(", "));
+    Ok((name, groups))
+}
+
+fn exact_answers(tasks: &[Task], bar: &indicatif::ProgressBar) -> Vec<Exact> {
+    tasks
+        .par_iter()
+        .map(|task| {
+            let route = ShortestPath::new(&task.world, task.robot).find(task.start, task.goal);
+            bar.inc(1);
+            match route {
+                Route::Found { length, .. } => Exact::Solvable { length },
+                Route::Unsolvable(_) => Exact::Unsolvable,
+                Route::Undecided(_) => Exact::Undecided,
+            }
+        })
+        .collect()
+}

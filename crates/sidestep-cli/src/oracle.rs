@@ -1,0 +1,83 @@
+//! `sidestep oracle`: the exact shortest path of each task, or the proof that there is none.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use rayon::prelude::*;
+use serde::Serialize;
+use sidestep::Task;
+use sidestep::shortest_path::{Route, ShortestPath};
+
+use crate::Global;
+use crate::failure::Failure;
+use crate::input::{self, Overrides};
+use crate::output;
+
+/// Arguments of `oracle`.
+#[derive(Args)]
+pub struct OracleArgs {
+    /// Task .json or .jsonl, or MovingAI .scen
+    tasks: PathBuf,
+    /// A disc robot of this radius in place of the file's
+    #[arg(long)]
+    robot_radius: Option<f64>,
+}
+
+/// The exact answer to one task.
+#[derive(Serialize)]
+struct Answer {
+    name: String,
+    /// solvable, unsolvable or undecided
+    answer: &'static str,
+    reason: String,
+    length: Option<f64>,
+    lower_bound: Option<f64>,
+    waypoints: Vec<[f64; 2]>,
+}
+
+/// Answers every task.
+pub fn run(args: &OracleArgs, global: &Global) -> Result<(), Failure> {
+    let overrides = Overrides { robot_radius: args.robot_radius, ..Overrides::default() };
+    let tasks = input::read(&args.tasks, &overrides)?;
+    let bar = output::progress("exact shortest paths", tasks.len() as u64, global.quiet);
+    let answers: Vec<Answer> = tasks
+        .par_iter()
+        .map(|task| {
+            let answer = answer(task);
+            bar.inc(1);
+            answer
+        })
+        .collect();
+    bar.finish_and_clear();
+    if global.json {
+        return output::print_json(&answers);
+    }
+    let mut text = String::new();
+    for (index, answer) in answers.iter().enumerate() {
+        let detail = answer.length.map_or(answer.reason.clone(), |length| format!("{length:.4}"));
+        text += &format!("{index} {} {detail}\n", answer.answer);
+    }
+    let solvable = answers.iter().filter(|answer| answer.length.is_some()).count();
+    text += &format!("{solvable} of {} solvable\n", answers.len());
+    output::print(&text)
+}
+
+fn answer(task: &Task) -> Answer {
+    let name = task.name.clone();
+    match ShortestPath::new(&task.world, task.robot).find(task.start, task.goal) {
+        Route::Found { trajectory, length, lower_bound } => Answer {
+            name,
+            answer: "solvable",
+            reason: String::new(),
+            length: Some(length),
+            lower_bound: Some(lower_bound),
+            waypoints: trajectory.points().to_vec(),
+        },
+        Route::Unsolvable(proof) => blank(name, "unsolvable", proof.to_string()),
+        Route::Undecided(doubt) => blank(name, "undecided", doubt.to_string()),
+    }
+}
+
+fn blank(name: String, answer: &'static str, reason: String) -> Answer {
+    Answer { name, answer, reason, length: None, lower_bound: None, waypoints: Vec::new() }
+}

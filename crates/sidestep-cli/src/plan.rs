@@ -1,0 +1,246 @@
+//! `sidestep plan`: one task, one certified plan or the reason why not.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use serde::Serialize;
+use sidestep::geometry::Point;
+use sidestep::objective::Scene;
+use sidestep::plan::{Plan, Status, Stop, plan_in};
+use sidestep::run::Iteration;
+use sidestep::shortest_path::ShortestPath;
+use sidestep::{Task, Trajectory};
+
+use crate::Global;
+use crate::failure::Failure;
+use crate::input::{self, Overrides, parse_point};
+use crate::output;
+use crate::planning::{PlanningArgs, planner};
+
+mod draw;
+
+/// Arguments of `plan`.
+#[derive(Args)]
+pub struct PlanArgs {
+    /// Task .json or .jsonl, MovingAI .map or .scen, or ROS map .yaml
+    input: PathBuf,
+    /// Which task of the file, from 0
+    #[arg(long, default_value_t = 0)]
+    index: usize,
+    /// Start in place of the file's
+    #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
+    start: Option<Point>,
+    /// Goal in place of the file's
+    #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
+    goal: Option<Point>,
+    /// A disc robot of this radius in place of the file's, in task units
+    #[arg(long)]
+    robot_radius: Option<f64>,
+    /// Treat unknown cells of a ROS map as free
+    #[arg(long)]
+    unknown_is_free: bool,
+    /// Planner, as NAME[:key=value,...]
+    #[arg(long, default_value = "auto")]
+    planner: String,
+    #[command(flatten)]
+    planning: PlanningArgs,
+    /// Use the whole budget and keep the best certified plan, instead of the first
+    #[arg(long)]
+    best: bool,
+    /// Stop after this many milliseconds with the best certified plan so far
+    #[arg(long)]
+    budget_ms: Option<f64>,
+    /// Start from the waypoints of this plan (a file that `plan --out` wrote)
+    #[arg(long)]
+    warm_start: Option<PathBuf>,
+    /// Write the result here as JSON
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Draw the task and the plan here
+    #[arg(long)]
+    png: Option<PathBuf>,
+    /// Draw the task and the plan here
+    #[arg(long)]
+    svg: Option<PathBuf>,
+    /// Keep every iterate, in the JSON result and in pictures
+    #[arg(long)]
+    trace: bool,
+}
+
+/// The result as JSON.
+#[derive(Serialize)]
+struct Answer {
+    status: &'static str,
+    reason: String,
+    task: String,
+    planner: String,
+    /// What made the plan: which start, or the exact search.
+    origin: String,
+    iterations: usize,
+    time_us: f64,
+    length: Option<f64>,
+    optimal_length: Option<f64>,
+    clearance: Option<f64>,
+    certified: bool,
+    waypoints: Vec<Point>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    trace: Option<Vec<Step>>,
+}
+
+/// One iterate.
+#[derive(Serialize, Clone)]
+pub struct Step {
+    start: usize,
+    iteration: usize,
+    objective: f32,
+    obstacle_cost: f32,
+    length_cost: f32,
+    certified: bool,
+    waypoints: Vec<Point>,
+}
+
+/// Plans, prints and draws.
+pub fn run(args: &PlanArgs, global: &Global) -> Result<ExitCode, Failure> {
+    let overrides = Overrides {
+        start: args.start,
+        goal: args.goal,
+        robot_radius: args.robot_radius,
+        unknown_is_free: args.unknown_is_free,
+    };
+    let mut tasks = input::read(&args.input, &overrides)?;
+    if args.index >= tasks.len() {
+        let count = tasks.len();
+        return Err(Failure::at("--index", format!("{} of {count} tasks, from 0", args.index)));
+    }
+    let task = tasks.swap_remove(args.index);
+    let planner_choice = planner(&args.planner)?;
+    let mut options = args.planning.options(task.world.bounds().extent())?;
+    options.prove = true;
+    if args.best || args.budget_ms.is_some() {
+        options.stop = Stop::Best;
+    }
+    if let Some(path) = &args.warm_start {
+        options.warm_start = Some(read_waypoints(path)?);
+    }
+    let budget = match args.budget_ms {
+        Some(ms) if !(ms > 0.0 && ms <= 1e9) => {
+            return Err(Failure(format!("--budget-ms: {ms} is not above 0 and at most 1e9")));
+        }
+        ms => ms.map(|ms| Duration::from_secs_f64(ms / 1e3)),
+    };
+
+    let trace = Mutex::new(Vec::new());
+    let begin = Instant::now();
+    let scene = Arc::new(Scene::new(&task.world, task.robot, &options.profile));
+    let watch = |iteration: &Iteration<'_>| {
+        if args.trace
+            && let Ok(mut steps) = trace.lock()
+        {
+            steps.push(step(&scene, &task, iteration));
+        }
+        match budget {
+            Some(budget) if begin.elapsed() >= budget => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        }
+    };
+    let plan = plan_in(&scene, &task, &planner_choice, &options, &watch)?;
+    let time = begin.elapsed();
+
+    let mut steps = trace.into_inner().unwrap_or_default();
+    steps.sort_by_key(|step| (step.start, step.iteration));
+    draw::pictures(args, &task, &scene, &plan, &steps)?;
+    let answer = answer(args, &task, &scene, &plan, time, steps);
+    if let Some(path) = &args.out {
+        output::write_json(path, &answer)?;
+    }
+    if global.json {
+        output::print_json(&answer)?;
+    } else {
+        output::print(&describe(&answer))?;
+    }
+    Ok(match plan.status {
+        Status::Solved => ExitCode::SUCCESS,
+        Status::Invalid(_) => ExitCode::from(2),
+        Status::Unsolved(_) | Status::Unsolvable(_) => ExitCode::from(1),
+    })
+}
+
+/// An iterate in task units.
+fn step(scene: &Scene, task: &Task, iteration: &Iteration<'_>) -> Step {
+    let inner = iteration.waypoints.as_chunks::<2>().0.iter().map(|&p| scene.frame().to_task(p));
+    Step {
+        start: iteration.start,
+        iteration: iteration.index,
+        objective: iteration.cost.total,
+        obstacle_cost: iteration.cost.obstacle,
+        length_cost: iteration.cost.length,
+        certified: iteration.solved,
+        waypoints: std::iter::once(task.start).chain(inner).chain([task.goal]).collect(),
+    }
+}
+
+fn answer(
+    args: &PlanArgs,
+    task: &Task,
+    scene: &Scene,
+    plan: &Plan,
+    time: Duration,
+    steps: Vec<Step>,
+) -> Answer {
+    let solved = plan.status == Status::Solved;
+    let optimal =
+        || ShortestPath::new(&task.world, task.robot).find(task.start, task.goal).length();
+    let path = plan.trajectory.as_ref();
+    Answer {
+        status: plan.status.name(),
+        reason: plan.status.reason(),
+        task: task.name.clone(),
+        planner: args.planner.clone(),
+        origin: plan.origin.to_string(),
+        iterations: plan.steps,
+        time_us: time.as_secs_f64() * 1e6,
+        length: path.filter(|_| solved).map(Trajectory::length),
+        optimal_length: if solved { optimal() } else { None },
+        clearance: path.filter(|_| solved).map(|path| scene.certifier().clearance(path)),
+        certified: solved,
+        waypoints: path.map_or_else(Vec::new, |path| path.points().to_vec()),
+        trace: args.trace.then_some(steps),
+    }
+}
+
+/// The answer in a few lines.
+fn describe(answer: &Answer) -> String {
+    let mut text = format!("{}", answer.status);
+    if !answer.reason.is_empty() {
+        text += &format!(": {}", answer.reason);
+    }
+    text += &format!(" ({}, {:.0} us)\n", answer.planner, answer.time_us);
+    if let (Some(length), Some(clearance)) = (answer.length, answer.clearance) {
+        text += &format!("{} after {} iterations\n", answer.origin, answer.iterations);
+        let over = answer.optimal_length.filter(|&optimal| optimal > 0.0);
+        let over = over.map_or(String::new(), |optimal| {
+            format!(" ({:.1} % over the shortest, {optimal:.3})", 100.0 * (length / optimal - 1.0))
+        });
+        text += &format!("length {length:.3}{over}, clearance {clearance:.3}\n");
+        text += &format!("{} points, certified free of collision\n", answer.waypoints.len());
+    }
+    text
+}
+
+/// The waypoints of a plan file.
+fn read_waypoints(path: &std::path::Path) -> Result<Trajectory, Failure> {
+    #[derive(serde::Deserialize)]
+    struct Saved {
+        waypoints: Vec<Point>,
+    }
+    let saved: Saved = serde_json::from_str(&input::read_text(path)?)
+        .map_err(|error| Failure::file(path, format!("is not a plan ({error})")))?;
+    if saved.waypoints.len() < 2 || saved.waypoints.iter().flatten().any(|v| !v.is_finite()) {
+        return Err(Failure::file(path, "waypoints: expected at least 2 finite points"));
+    }
+    Ok(Trajectory::from_points(&saved.waypoints))
+}

@@ -1,0 +1,84 @@
+//! Flags that `plan` and `bench` share: the profile, the starts and the budget.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use clap::Args;
+use sidestep::error::InvalidInput;
+use sidestep::plan::{Options, Planner};
+use sidestep::planner_name::parse_planner;
+use sidestep::policy::Policy;
+use sidestep::profile::Profile;
+use sidestep::starts::StartStrategy;
+
+use crate::failure::Failure;
+
+/// How to plan.
+#[derive(Args, Clone)]
+pub struct PlanningArgs {
+    /// Start trajectories; the first is the straight line
+    #[arg(long, default_value_t = 1)]
+    starts: usize,
+    /// How the others are drawn: line, via-point, sorted, random or paper
+    #[arg(long, default_value = "via-point")]
+    start_strategy: String,
+    /// Constants of the objective: default or paper
+    #[arg(long, default_value = "default")]
+    profile: String,
+    /// Optimizer steps per start
+    #[arg(long, default_value_t = 200)]
+    steps: usize,
+    /// Waypoints between start and goal [default: the profile's 10]
+    #[arg(long)]
+    waypoints: Option<usize>,
+    /// Distance under which closeness to obstacles costs, in task units [default: a 6.4th of the field]
+    #[arg(long)]
+    clearance: Option<f64>,
+    /// Seed of random starts and random planners
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+impl PlanningArgs {
+    /// The planner options for a field of the given extent.
+    pub fn options(&self, extent: f64) -> Result<Options, Failure> {
+        let mut profile = Profile::named(&self.profile)?;
+        if let Some(clearance) = self.clearance {
+            if !(clearance > 0.0 && clearance <= extent) {
+                let allowed = format!("a number above 0 and at most {extent}, the field's extent");
+                return Err(InvalidInput::new("--clearance", clearance, allowed).into());
+            }
+            profile.epsilon = clearance / extent * sidestep::profile::NORMALISED_EXTENT;
+        }
+        Ok(Options {
+            profile,
+            waypoints: self.waypoints,
+            starts: self.starts,
+            strategy: StartStrategy::named(&self.start_strategy)?,
+            steps: self.steps,
+            seed: self.seed,
+            ..Options::default()
+        })
+    }
+}
+
+/// The planner of that name; a policy is read from its file.
+pub fn planner(name: &str) -> Result<Planner, Failure> {
+    Ok(parse_planner(name, &mut |path| load_policy(Path::new(path)).map(Arc::new))?)
+}
+
+/// Reads a policy file.
+pub fn load_policy(path: &Path) -> Result<Policy, InvalidInput> {
+    let describe = |field: &str, reason: String| {
+        InvalidInput::new(
+            format!("{}: {field}", path.display()),
+            reason,
+            "a policy file (.safetensors)",
+        )
+    };
+    let bytes = std::fs::read(path).map_err(|error| describe("file", error.to_string()))?;
+    Policy::from_safetensors(&bytes).map_err(|error| InvalidInput {
+        field: format!("{}: {}", path.display(), error.field),
+        ..error
+    })
+}

@@ -1,0 +1,138 @@
+//! `sidestep table`: a report as Markdown or CSV, the paper's numbers beside where it has them.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use crate::bench::report::{FORMAT, Report, Row};
+use crate::failure::Failure;
+use crate::input::read_text;
+use crate::output;
+
+/// Arguments of `table`.
+#[derive(Args)]
+pub struct TableArgs {
+    /// A report that `bench` or `experiment` wrote
+    report: PathBuf,
+    /// How to render it
+    #[arg(long, value_enum, default_value_t = Format::Markdown)]
+    format: Format,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Format {
+    Markdown,
+    Csv,
+}
+
+/// Renders the report.
+pub fn run(args: &TableArgs) -> Result<(), Failure> {
+    let report: Report = serde_json::from_str(&read_text(&args.report)?)
+        .map_err(|error| Failure::file(&args.report, format!("is not a report ({error})")))?;
+    if report.format != FORMAT {
+        let found = format!("format {:?}; expected {FORMAT:?}", report.format);
+        return Err(Failure::file(&args.report, found));
+    }
+    output::print(&match args.format {
+        Format::Markdown => markdown(&report),
+        Format::Csv => csv(&report),
+    })
+}
+
+/// A column: its heading and a row's cell.
+type Column = (&'static str, fn(&Row, &Report) -> String);
+
+const COLUMNS: [Column; 14] = [
+    ("planner", |row, _| format!("`{}`", row.planner)),
+    ("suite", |row, _| row.suite.clone()),
+    ("starts", |row, _| row.starts.to_string()),
+    ("tasks", |row, _| row.tasks.to_string()),
+    ("any step %", |row, _| percent(row.solved_any)),
+    ("end %", |row, _| percent(row.solved_end)),
+    ("paper %", |row, report| paper_value(row, report)),
+    ("certified % [95 %]", |row, _| {
+        let [low, high] = row.success_ci95;
+        format!("{} [{:.1}, {:.1}]", percent(Some(row.success)), 100.0 * low, 100.0 * high)
+    }),
+    ("of solvable %", |row, _| percent(Some(row.success_of_solvable))),
+    ("iterations", |row, _| number(row.iterations_mean, 1)),
+    ("us/iteration", |row, _| number(row.us_per_iteration, 2)),
+    ("us/plan p50", |row, _| number(Some(row.us_per_plan_median), 1)),
+    ("us/plan p95", |row, _| number(Some(row.us_per_plan_p95), 1)),
+    ("length/optimal", |row, _| number(row.length_ratio_median, 3)),
+];
+
+/// The report as a Markdown table with its provenance.
+pub fn markdown(report: &Report) -> String {
+    let mut lines: Vec<Vec<String>> =
+        vec![COLUMNS.iter().map(|(name, _)| (*name).into()).collect()];
+    lines.extend(report.rows.iter().map(|row| cells(row, report)));
+    let width =
+        |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..COLUMNS.len()).map(width).collect();
+    let mut text = String::new();
+    for (index, line) in lines.iter().enumerate() {
+        let padded = line.iter().zip(&widths).map(|(cell, width)| format!(" {cell:width$} "));
+        text += &format!("|{}|\n", padded.collect::<Vec<_>>().join("|"));
+        if index == 0 {
+            let rules = widths.iter().map(|width| "-".repeat(width + 2));
+            text += &format!("|{}|\n", rules.collect::<Vec<_>>().join("|"));
+        }
+    }
+    let (p, s) = (&report.provenance, &report.settings);
+    let seeds: Vec<String> = s.task_seeds.iter().map(u64::to_string).collect();
+    let seeds =
+        if seeds.is_empty() { String::new() } else { format!(", task seeds {}", seeds.join(", ")) };
+    text + &format!(
+        "\nProfile {}, {} steps, {} waypoints{seeds}. `{}`, commit {}, {:.0} s on {} ({} threads).\n",
+        s.profile, s.steps, s.waypoints, p.command, p.commit, p.seconds, p.processor, p.threads
+    )
+}
+
+fn csv(report: &Report) -> String {
+    let quote = |cell: String| {
+        if cell.contains([',', '"', '\n']) {
+            format!("\"{}\"", cell.replace('"', "\"\""))
+        } else {
+            cell
+        }
+    };
+    let join =
+        |cells: Vec<String>| cells.into_iter().map(quote).collect::<Vec<_>>().join(",") + "\n";
+    let heading = join(COLUMNS.iter().map(|(name, _)| (*name).into()).collect());
+    let rows = report.rows.iter().map(|row| {
+        join(cells(row, report).into_iter().map(|cell| cell.replace('`', "")).collect())
+    });
+    heading + &rows.collect::<String>()
+}
+
+fn cells(row: &Row, report: &Report) -> Vec<String> {
+    COLUMNS.iter().map(|(_, cell)| cell(row, report)).collect()
+}
+
+fn percent(share: Option<f64>) -> String {
+    number(share.map(|share| 100.0 * share), 1)
+}
+
+fn number(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(|| "-".into(), |value| format!("{value:.digits$}"))
+}
+
+/// The paper's gradient descent rows: (suite, starts, percent), from its tables I and III.
+const PAPER: [(&str, usize, f64); 6] = [
+    ("easy", 1, 79.7),
+    ("easy", 5, 84.4),
+    ("easy", 10, 86.2),
+    ("hard", 1, 0.0),
+    ("hard", 5, 32.0),
+    ("hard", 10, 41.0),
+];
+
+fn paper_value(row: &Row, report: &Report) -> String {
+    let is_papers = report.settings.profile == "paper"
+        && matches!(row.planner.as_str(), "gd" | "gd:step=0.1")
+        && (row.starts == 1 || report.settings.start_strategy == "paper");
+    let found =
+        PAPER.iter().find(|(suite, starts, _)| *suite == row.suite && *starts == row.starts);
+    number(found.filter(|_| is_papers).map(|&(_, _, value)| value), 1)
+}

@@ -1,0 +1,45 @@
+//! The learned optimizer: a trained policy turned into an ordinary optimizer.
+//!
+//! ξ ← ξ + clip(π(o)), as the policy was trained: the update clipped per coordinate, positions kept
+//! inside the field where the policy's card says so.
+
+use std::sync::Arc;
+
+use crate::error::InvalidInput;
+use crate::objective::Objective;
+use crate::observation::Encoder;
+use crate::policy::{Policy, Scratch};
+use crate::task::Task;
+
+#[derive(Debug)]
+pub(super) struct Learned {
+    policy: Arc<Policy>,
+    encoder: Encoder,
+    observation: Vec<f32>,
+    action: Vec<f32>,
+    scratch: Scratch,
+}
+
+impl Learned {
+    pub fn new(
+        policy: Arc<Policy>,
+        task: &Task,
+        objective: &Objective,
+    ) -> Result<Self, InvalidInput> {
+        policy.check_fits(objective)?;
+        let encoder = Encoder::new(policy.observation(), objective, &task.world)?;
+        Ok(Self {
+            observation: vec![0.0; encoder.len(objective)],
+            action: vec![0.0; objective.dim()],
+            scratch: policy.scratch(),
+            encoder,
+            policy,
+        })
+    }
+
+    pub fn step(&mut self, x: &mut [f32], gradient: &[f32], objective: &Objective) {
+        self.encoder.encode(objective, x, gradient, &mut self.observation);
+        self.policy.act(&self.observation, &mut self.scratch, &mut self.action);
+        self.policy.apply(&self.action, x);
+    }
+}

@@ -1,0 +1,441 @@
+//! Planning: from a task to a certified trajectory, or the reason why there is none.
+//!
+//! A plan is [`Status::Solved`] only when the exact certificate passes its trajectory, whatever the
+//! profile calls feasible. Optimizers run from several starts, and the best certified plan wins;
+//! [`Planner::Auto`] goes on to the exact shortest path where optimizers fail, so it answers every
+//! task that has an answer.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::certificate::Violation;
+use crate::error::InvalidInput;
+use crate::objective::{Objective, Scene};
+use crate::optimizer::{Method, Optimizer};
+use crate::profile::Profile;
+use crate::rng::{Purpose, stream};
+use crate::rrt_connect::RrtConnect;
+use crate::run::{Iteration, Run, Until, run};
+use crate::shortest_path::{Doubt, Proof, Route, ShortestPath};
+use crate::starts::{StartStrategy, polyline};
+use crate::task::Task;
+use crate::trajectory::Trajectory;
+
+/// How to look for a plan.
+#[derive(Debug, Clone)]
+pub enum Planner {
+    /// An optimizer from one or more starts.
+    Optimizer(Method),
+    /// RRT-Connect with shortcutting.
+    RrtConnect(RrtConnect),
+    /// The exact shortest path.
+    ShortestPath,
+    /// The optimizer from the straight line, then from random starts, then from the exact shortest
+    /// path, then that path itself.
+    Auto(Method),
+}
+
+/// When planning ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Stop {
+    /// At the first certified plan.
+    #[default]
+    First,
+    /// When the steps are spent, with the certified plan of least U.
+    Best,
+}
+
+/// What a planner may use.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Constants of the objective.
+    pub profile: Profile,
+    /// Waypoints between start and goal; the profile's where none.
+    pub waypoints: Option<usize>,
+    /// Start trajectories of an optimizer, at least 1; the first is the straight line.
+    pub starts: usize,
+    /// How the others are drawn.
+    pub strategy: StartStrategy,
+    /// Optimizer steps per start.
+    pub steps: usize,
+    /// When planning ends.
+    pub stop: Stop,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Number of the random stream, so that the tasks of a batch differ.
+    pub index: u64,
+    /// A trajectory to start from instead of the straight line.
+    pub warm_start: Option<Trajectory>,
+    /// Whether a failed optimizer is followed by a search for a proof that there is no path.
+    pub prove: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            profile: Profile::DEFAULT,
+            waypoints: None,
+            starts: 1,
+            strategy: StartStrategy::default(),
+            steps: 200,
+            stop: Stop::First,
+            seed: 0,
+            index: 0,
+            warm_start: None,
+            prove: false,
+        }
+    }
+}
+
+/// Most start trajectories of one plan.
+pub const MAX_STARTS: usize = 1_000_000;
+/// Most optimizer steps per start.
+pub const MAX_STEPS: usize = 100_000_000;
+
+/// How a planning question was answered.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Status {
+    /// The trajectory is certified free of collision.
+    Solved,
+    /// No certified plan was found, which proves nothing.
+    Unsolved(Reason),
+    /// It is proved that there is no path.
+    Unsolvable(Proof),
+    /// The start or the goal itself is not free.
+    Invalid(Violation),
+}
+
+impl Status {
+    /// `solved`, `unsolved`, `unsolvable` or `invalid`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::Unsolved(_) => "unsolved",
+            Self::Unsolvable(_) => "unsolvable",
+            Self::Invalid(_) => "invalid",
+        }
+    }
+
+    /// Why it is not solved, in words; empty where it is.
+    pub fn reason(&self) -> String {
+        match self {
+            Self::Solved => String::new(),
+            Self::Unsolved(reason) => reason.to_string(),
+            Self::Unsolvable(proof) => proof.to_string(),
+            Self::Invalid(violation) => violation.to_string(),
+        }
+    }
+}
+
+/// Why no certified plan was found.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Reason {
+    /// The optimizer spent its steps on a trajectory that still collides.
+    #[error("{steps} steps from {starts} start(s) spent; {violation}")]
+    StepsSpent {
+        /// Steps of the last attempt.
+        steps: usize,
+        /// Start trajectories tried.
+        starts: usize,
+        /// What is wrong with the straight-line start's last iterate.
+        violation: Violation,
+    },
+    /// The caller broke off.
+    #[error("the time budget is spent after {steps} steps; {violation}")]
+    BrokenOff {
+        /// Steps made.
+        steps: usize,
+        /// What is wrong with the last iterate.
+        violation: Violation,
+    },
+    /// The sampling planner spent its samples.
+    #[error("{samples} samples spent without joining start and goal")]
+    SamplesSpent {
+        /// Samples drawn.
+        samples: usize,
+    },
+    /// The exact search could not decide.
+    #[error("undecided: {0}")]
+    Undecided(Doubt),
+}
+
+/// The answer to a planning question.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Whether there is a certified trajectory, and if not, why.
+    pub status: Status,
+    /// The certified trajectory; where not solved, the last attempt of an optimizer.
+    pub trajectory: Option<Trajectory>,
+    /// Optimizer steps to the plan, from the start that it came from.
+    pub steps: usize,
+    /// What made the plan.
+    pub origin: Origin,
+}
+
+/// Where a plan comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// An optimizer from the straight line or the given warm start.
+    FirstStart,
+    /// An optimizer from a random start of this number, from 1.
+    RandomStart(usize),
+    /// An optimizer from the exact shortest path.
+    ShortestPathStart,
+    /// The exact shortest path itself.
+    ShortestPath,
+    /// A tree of random samples.
+    Tree,
+}
+
+impl std::fmt::Display for Origin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::FirstStart => f.write_str("optimized from the first start"),
+            Self::RandomStart(start) => write!(f, "optimized from random start {start}"),
+            Self::ShortestPathStart => f.write_str("optimized from the shortest path"),
+            Self::ShortestPath => f.write_str("the shortest path"),
+            Self::Tree => f.write_str("a random tree"),
+        }
+    }
+}
+
+/// Sees every iterate of every start, from any thread, and may break planning off.
+pub type Watch<'a> = &'a (dyn Fn(&Iteration<'_>) -> ControlFlow<()> + Sync);
+
+/// Plans one task.
+///
+/// # Errors
+/// If an option is out of range or a learned policy does not fit the task.
+pub fn plan(task: &Task, planner: &Planner, options: &Options) -> Result<Plan, InvalidInput> {
+    let scene = Arc::new(Scene::new(&task.world, task.robot, &options.profile));
+    plan_in(&scene, task, planner, options, &|_| ControlFlow::Continue(()))
+}
+
+/// Plans many tasks on all cores; task i draws from stream i. Results do not depend on the number
+/// of threads.
+///
+/// # Errors
+/// As [`plan()`], for the first task that has one.
+pub fn plan_batch(
+    tasks: &[Task],
+    planner: &Planner,
+    options: &Options,
+) -> Result<Vec<Plan>, InvalidInput> {
+    tasks
+        .par_iter()
+        .enumerate()
+        .map(|(index, task)| {
+            plan(task, planner, &Options { index: index as u64, ..options.clone() })
+        })
+        .collect()
+}
+
+/// Plans one task in a scene that was prepared for its world and robot and the options' profile.
+///
+/// # Errors
+/// As [`plan()`].
+pub fn plan_in(
+    scene: &Arc<Scene>,
+    task: &Task,
+    planner: &Planner,
+    options: &Options,
+    watch: Watch<'_>,
+) -> Result<Plan, InvalidInput> {
+    options.check()?;
+    if let Err(violation) = check_ends(scene, task) {
+        return Ok(Plan {
+            status: Status::Invalid(violation),
+            trajectory: None,
+            steps: 0,
+            origin: Origin::FirstStart,
+        });
+    }
+    match planner {
+        Planner::Optimizer(method) => {
+            let plan = optimize(scene, task, method, options, watch)?;
+            if plan.status == Status::Solved || !options.prove {
+                return Ok(plan);
+            }
+            Ok(match ShortestPath::new(&task.world, task.robot).find(task.start, task.goal) {
+                Route::Unsolvable(proof) => Plan { status: Status::Unsolvable(proof), ..plan },
+                _ => plan,
+            })
+        }
+        Planner::RrtConnect(rrt) => {
+            let mut rng = stream(options.seed, Purpose::Planner, options.index, 0);
+            let outcome = rrt.plan(task, scene.certifier(), &mut rng);
+            let samples = Reason::SamplesSpent { samples: rrt.max_samples };
+            Ok(Plan {
+                status: outcome.as_ref().map_or(Status::Unsolved(samples), |_| Status::Solved),
+                trajectory: outcome,
+                steps: 0,
+                origin: Origin::Tree,
+            })
+        }
+        Planner::ShortestPath => Ok(shortest(task)),
+        Planner::Auto(method) => auto(scene, task, method, options, watch),
+    }
+}
+
+impl Options {
+    fn check(&self) -> Result<(), InvalidInput> {
+        let range = |field, value: usize, least: usize, most: usize| {
+            let allowed = || format!("a number from {least} to {most}");
+            let fits = (least..=most).contains(&value);
+            fits.then_some(()).ok_or_else(|| InvalidInput::new(field, value, allowed()))
+        };
+        range("starts", self.starts, 1, MAX_STARTS)?;
+        range("steps", self.steps, 0, MAX_STEPS)
+    }
+
+    fn waypoints(&self) -> usize {
+        self.waypoints.unwrap_or(self.profile.waypoints)
+    }
+}
+
+/// Whether start and goal are themselves free.
+fn check_ends(scene: &Scene, task: &Task) -> Result<(), Violation> {
+    let certifier = scene.certifier();
+    if certifier.point_is_free(task.start) && certifier.point_is_free(task.goal) {
+        return Ok(());
+    }
+    certifier.check(&Trajectory::from_points(&[task.start, task.goal]))
+}
+
+/// One start's run: its waypoints end at the last iterate.
+struct Attempt {
+    start: usize,
+    run: Run,
+    waypoints: Vec<f32>,
+}
+
+fn optimize(
+    scene: &Arc<Scene>,
+    task: &Task,
+    method: &Method,
+    options: &Options,
+    watch: Watch<'_>,
+) -> Result<Plan, InvalidInput> {
+    let objective = Objective::new(task, scene.clone(), options.waypoints())?;
+    let attempt = |start: usize| {
+        let mut objective = objective.clone();
+        let mut x = vec![0.0; objective.dim()];
+        let mut rng = stream(options.seed, Purpose::Start, options.index, start as u64);
+        match (&options.warm_start, start) {
+            (Some(warm), 0) => resample(&objective, warm, &mut x),
+            (None, 0) => objective.straight_line(&mut x),
+            _ => options.strategy.draw(&objective, task.world.bounds(), &mut rng, &mut x),
+        }
+        attempt(&mut objective, task, method, options, start, x, watch)
+    };
+    let first = attempt(0)?;
+    if options.stop == Stop::First && first.run.best.is_some() || options.starts == 1 {
+        return Ok(chosen(&objective, options, vec![first]));
+    }
+    let others: Result<Vec<_>, _> = (1..options.starts).into_par_iter().map(attempt).collect();
+    let attempts = std::iter::once(first).chain(others?).collect();
+    Ok(chosen(&objective, options, attempts))
+}
+
+/// Runs the method from the waypoints `x`.
+fn attempt(
+    objective: &mut Objective,
+    task: &Task,
+    method: &Method,
+    options: &Options,
+    start: usize,
+    mut x: Vec<f32>,
+    watch: Watch<'_>,
+) -> Result<Attempt, InvalidInput> {
+    let rng = stream(options.seed, Purpose::Planner, options.index, start as u64);
+    let mut optimizer = Optimizer::new(method, task, objective, rng)?;
+    let until = match options.stop {
+        Stop::First => Until::Certified,
+        Stop::Best => Until::Spent,
+    };
+    let run = run(objective, &mut optimizer, &mut x, options.steps, until, |iteration| {
+        watch(&Iteration { start, ..*iteration })
+    });
+    Ok(Attempt { start, run, waypoints: x })
+}
+
+/// The certified attempt of least U, the earliest at a tie; else the first start's failure.
+fn chosen(objective: &Objective, options: &Options, attempts: Vec<Attempt>) -> Plan {
+    let starts = attempts.len();
+    let solved = attempts.iter().filter_map(|a| a.run.best.as_ref().map(|best| (a, best)));
+    let best = solved.min_by(|(_, p), (_, q)| p.cost.total_cmp(&q.cost));
+    if let Some((attempt, best)) = best {
+        return Plan {
+            status: Status::Solved,
+            trajectory: Some(objective.trajectory(&best.waypoints)),
+            steps: attempt.run.first_certified.unwrap_or(attempt.run.steps),
+            origin: match attempt.start {
+                0 => Origin::FirstStart,
+                start => Origin::RandomStart(start),
+            },
+        };
+    }
+    let first = &attempts[0];
+    let trajectory = objective.trajectory(&first.waypoints);
+    let steps = first.run.steps;
+    let status = match objective.scene().certifier().check(&trajectory) {
+        // The paper's check can refuse a point on a wall that the exact one passes.
+        Ok(()) => Status::Solved,
+        Err(violation) if steps < options.steps => {
+            Status::Unsolved(Reason::BrokenOff { steps, violation })
+        }
+        Err(violation) => Status::Unsolved(Reason::StepsSpent { steps, starts, violation }),
+    };
+    Plan { status, trajectory: Some(trajectory), steps, origin: Origin::FirstStart }
+}
+
+/// Spreads the objective's waypoints evenly along a trajectory's interior points.
+fn resample(objective: &Objective, trajectory: &Trajectory, x: &mut [f32]) {
+    let frame = objective.scene().frame();
+    let inner = trajectory.points().get(1..trajectory.points().len().max(2) - 1).unwrap_or(&[]);
+    let corners: Vec<[f32; 2]> = std::iter::once(objective.start())
+        .chain(inner.iter().map(|&p| frame.to_normalised(p)))
+        .chain([objective.goal()])
+        .collect();
+    polyline(&corners, x.as_chunks_mut::<2>().0);
+}
+
+fn shortest(task: &Task) -> Plan {
+    let route = ShortestPath::new(&task.world, task.robot).find(task.start, task.goal);
+    let (status, trajectory) = match route {
+        Route::Found { trajectory, .. } => (Status::Solved, Some(trajectory)),
+        Route::Unsolvable(proof) => (Status::Unsolvable(proof), None),
+        Route::Undecided(doubt) => (Status::Unsolved(Reason::Undecided(doubt)), None),
+    };
+    Plan { status, trajectory, steps: 0, origin: Origin::ShortestPath }
+}
+
+/// Random starts that `auto` tries at least before it asks the exact search.
+const AUTO_STARTS: usize = 4;
+
+fn auto(
+    scene: &Arc<Scene>,
+    task: &Task,
+    method: &Method,
+    options: &Options,
+    watch: Watch<'_>,
+) -> Result<Plan, InvalidInput> {
+    let starts = options.starts.max(AUTO_STARTS);
+    let from_line = optimize(scene, task, method, &Options { starts, ..options.clone() }, watch)?;
+    if from_line.status == Status::Solved {
+        return Ok(from_line);
+    }
+    let exact = shortest(task);
+    let Some(route) = exact.trajectory.as_ref().filter(|_| exact.status == Status::Solved) else {
+        let trajectory = from_line.trajectory;
+        return Ok(Plan { trajectory, ..exact });
+    };
+    let warm = Options { starts: 1, warm_start: Some(route.clone()), ..options.clone() };
+    let polished = optimize(scene, task, method, &warm, watch)?;
+    if polished.status == Status::Solved {
+        return Ok(Plan { origin: Origin::ShortestPathStart, ..polished });
+    }
+    Ok(exact)
+}
