@@ -7,16 +7,14 @@
 //! Rows and columns are in cell units; everything outside the grid is free.
 
 use super::distance::segment_rect_distance;
+use crate::bit_grid::BitGrid;
 use crate::geometry::{Point, Rect};
 use crate::world::Grid;
 
-/// Occupied cells, 64 columns to a word.
+/// Occupied cells and where they lie.
 #[derive(Debug, Clone)]
 pub(crate) struct Cells {
-    width: usize,
-    height: usize,
-    words_per_row: usize,
-    words: Vec<u64>,
+    bits: BitGrid,
     origin: Point,
     resolution: f64,
 }
@@ -24,22 +22,26 @@ pub(crate) struct Cells {
 impl Cells {
     /// Packs a grid's occupied cells.
     pub(crate) fn new(grid: &Grid) -> Self {
-        let words_per_row = grid.width().div_ceil(64);
-        let mut words = Vec::with_capacity(words_per_row * grid.height());
-        for row in grid.cells().chunks(grid.width()) {
-            for cells in row.chunks(64) {
-                let word = cells.iter().rev().fold(0, |word, &cell| word << 1 | u64::from(cell));
-                words.push(word);
-            }
-        }
         Self {
-            width: grid.width(),
-            height: grid.height(),
-            words_per_row,
-            words,
+            bits: BitGrid::from_bools(grid.width(), grid.height(), grid.cells()),
             origin: grid.origin(),
             resolution: grid.resolution(),
         }
+    }
+
+    /// The occupied cells.
+    pub(crate) fn bits(&self) -> &BitGrid {
+        &self.bits
+    }
+
+    /// Lower left corner of the lower left cell.
+    pub(crate) fn origin(&self) -> Point {
+        self.origin
+    }
+
+    /// Side of a cell, in task units.
+    pub(crate) fn resolution(&self) -> f64 {
+        self.resolution
     }
 
     /// The square of a cell, in task units.
@@ -58,9 +60,10 @@ impl Cells {
     pub(crate) fn segment_is_free(&self, a: Point, b: Point, margin: f64, rounded: bool) -> bool {
         self.near(a, b, margin, |row, first, last| {
             if !rounded {
-                return self.any(row, first, last);
+                return self.bits.any(row, first, last);
             }
-            self.occupied(row, first, last)
+            self.bits
+                .ones(row, first, last)
                 .any(|column| segment_rect_distance(a, b, &self.rect(column, row)) <= margin)
         })
         .is_none()
@@ -71,7 +74,8 @@ impl Cells {
         let mut found = None;
         self.near(a, b, margin, |row, first, last| {
             found = self
-                .occupied(row, first, last)
+                .bits
+                .ones(row, first, last)
                 .find(|&column| segment_rect_distance(a, b, &self.rect(column, row)) <= margin)
                 .map(|column| (column, row));
             found.is_some()
@@ -88,7 +92,7 @@ impl Cells {
         loop {
             let margin = reach.min(best);
             self.near(a, b, margin, |row, first, last| {
-                for column in self.occupied(row, first, last) {
+                for column in self.bits.ones(row, first, last) {
                     best = best.min(segment_rect_distance(a, b, &self.rect(column, row)));
                 }
                 false
@@ -116,11 +120,11 @@ impl Cells {
         // Casts of floats saturate, so values far outside the grid end at its border.
         let low = a[1].min(b[1]) - margin;
         let high = a[1].max(b[1]) + margin;
-        if high < 0.0 || low > self.height as f64 {
+        if high < 0.0 || low > self.bits.height() as f64 {
             return None;
         }
         let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-        for row in low.max(0.0) as usize..=(high as usize).min(self.height - 1) {
+        for row in low.max(0.0) as usize..=(high as usize).min(self.bits.height() - 1) {
             let (mut left, mut right) = (a[0].min(b[0]), a[0].max(b[0]));
             if dy != 0.0 {
                 let t = (row as f64 - margin - a[1]) / dy;
@@ -130,45 +134,14 @@ impl Cells {
                 (left, right) = (left.max(x.min(y)), right.min(x.max(y)));
             }
             let (left, right) = (left - margin, right + margin);
-            if right < 0.0 || left > self.width as f64 {
+            if right < 0.0 || left > self.bits.width() as f64 {
                 continue;
             }
-            let last = (right as usize).min(self.width - 1);
+            let last = (right as usize).min(self.bits.width() - 1);
             if visit(row, (left.max(0.0) as usize).min(last), last) {
                 return Some(row);
             }
         }
         None
-    }
-
-    /// The bits of word `index` of the row that lie in columns `first..=last`.
-    #[inline]
-    fn masked(&self, row: usize, index: usize, first: usize, last: usize) -> u64 {
-        let mut word = self.words[row * self.words_per_row + index];
-        if index == first / 64 {
-            word &= u64::MAX << (first % 64);
-        }
-        if index == last / 64 {
-            word &= u64::MAX >> (63 - last % 64);
-        }
-        word
-    }
-
-    /// Whether a cell of the row in columns `first..=last` is occupied.
-    #[inline]
-    fn any(&self, row: usize, first: usize, last: usize) -> bool {
-        (first / 64..=last / 64).any(|index| self.masked(row, index, first, last) != 0)
-    }
-
-    /// The occupied columns of the row in `first..=last`, ascending.
-    fn occupied(&self, row: usize, first: usize, last: usize) -> impl Iterator<Item = usize> + '_ {
-        (first / 64..=last / 64).flat_map(move |index| {
-            let mut word = self.masked(row, index, first, last);
-            std::iter::from_fn(move || {
-                let bit = (word != 0).then(|| word.trailing_zeros() as usize)?;
-                word &= word - 1;
-                Some(64 * index + bit)
-            })
-        })
     }
 }
