@@ -22,8 +22,8 @@ pub use violation::{ObstacleId, Violation};
 
 use boxes::Boxes;
 use buckets::Buckets;
-use cells::Cells;
-use distance::segment_obstacle_distance;
+pub(crate) use cells::{Cells, Growth};
+pub(crate) use distance::segment_obstacle_distance;
 
 use crate::geometry::{Point, Rect};
 use crate::robot::Robot;
@@ -42,6 +42,7 @@ pub struct Certifier {
     /// Where the robot's reference point may be.
     bounds: Rect,
     radius: f64,
+    tolerance: f64,
     /// Radius and tolerance: what the path must stay away from every obstacle, and more.
     margin: f64,
     obstacles: Vec<Obstacle>,
@@ -59,11 +60,27 @@ impl Certifier {
         let bounds = world.bounds();
         let largest =
             bounds.min.into_iter().chain(bounds.max).fold(0.0, |m: f64, x| m.max(x.abs()));
-        let margin = radius + world.tolerance().max(ROUNDING * largest);
+        let tolerance = world.tolerance().max(ROUNDING * largest);
+        let margin = radius + tolerance;
+        let growth = if radius > 0.0 { Growth::Round(margin) } else { Growth::Square(margin) };
+        let cells = world.grid().map(|grid| Cells::new(grid, growth));
         let obstacles = world.obstacles().to_vec();
+        Self::from_parts(bounds.inflated(-radius), radius, tolerance, obstacles, cells)
+    }
+
+    /// The same from its parts; `bounds` are those of the robot's reference point, and the cells are
+    /// already grown.
+    pub(crate) fn from_parts(
+        bounds: Rect,
+        radius: f64,
+        tolerance: f64,
+        obstacles: Vec<Obstacle>,
+        cells: Option<Cells>,
+    ) -> Self {
+        let margin = radius + tolerance;
         let few = obstacles.len() <= MOST_WITHOUT_BUCKETS;
-        let (mut rects, mut others) = (Vec::new(), Vec::new());
-        for (index, obstacle) in obstacles.iter().enumerate() {
+        let (mut rects, mut others) = (Vec::with_capacity(obstacles.len()), Vec::new());
+        for (index, obstacle) in obstacles.iter().enumerate().filter(|_| few) {
             match obstacle {
                 Obstacle::Rect(rect) => rects.push(*rect),
                 _ => others.push(index),
@@ -74,16 +91,28 @@ impl Certifier {
                 obstacles.iter().map(|shape| shape.bounding_box().inflated(margin)).collect();
             Buckets::new(bounds, &grown)
         });
-        Self {
-            bounds: bounds.inflated(-radius),
-            radius,
-            margin,
-            obstacles,
-            boxes: Boxes::new(if few { rects } else { Vec::new() }, margin, radius > 0.0),
-            others: if few { others } else { Vec::new() },
-            buckets,
-            cells: world.grid().map(Cells::new),
-        }
+        let boxes = Boxes::new(rects, margin, radius > 0.0);
+        Self { bounds, radius, tolerance, margin, obstacles, boxes, others, buckets, cells }
+    }
+
+    /// The robot's radius.
+    pub(crate) fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Distances up to this count as touching.
+    pub(crate) fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// The obstacle shapes.
+    pub(crate) fn obstacles(&self) -> &[Obstacle] {
+        &self.obstacles
+    }
+
+    /// The occupied cells.
+    pub(crate) fn cells(&self) -> Option<&Cells> {
+        self.cells.as_ref()
     }
 
     /// The distance that a certified path keeps, and more, from every obstacle: the robot's radius
@@ -202,10 +231,7 @@ impl Certifier {
         self.boxes.segment_is_free(a, b)
             && (self.others.is_empty() || !self.others.iter().any(|&index| self.hits(index, a, b)))
             && self.buckets.as_ref().is_none_or(|near| !near.any_near(a, b, |i| self.hits(i, a, b)))
-            && self
-                .cells
-                .as_ref()
-                .is_none_or(|cells| cells.segment_is_free(a, b, self.margin, self.radius > 0.0))
+            && self.cells.as_ref().is_none_or(|cells| cells.segment_is_free(a, b))
     }
 
     /// Whether the segment comes within the margin of a shape.

@@ -43,6 +43,11 @@ impl ConvexPolygon {
         Ok(Self { vertices })
     }
 
+    /// A polygon from vertices that are known to be counter-clockwise and convex but for rounding.
+    pub(crate) fn from_convex(vertices: Vec<Point>) -> Self {
+        Self { vertices }
+    }
+
     /// The vertices, counter-clockwise.
     pub fn vertices(&self) -> &[Point] {
         &self.vertices
