@@ -14,6 +14,7 @@ pub mod network;
 pub mod objective;
 pub mod observation;
 pub mod optimizer;
+pub mod policy;
 pub mod profile;
 pub mod rng;
 mod robot;
@@ -23,6 +24,7 @@ pub mod shortest_path;
 pub mod starts;
 pub mod suite;
 mod task;
+pub mod tensors;
 mod trajectory;
 mod world;
 
