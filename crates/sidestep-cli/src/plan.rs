@@ -118,7 +118,7 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<ExitCode, Failure> {
     }
     let task = tasks.swap_remove(args.index);
     let planner_choice = planner(&args.planner)?;
-    let mut options = args.planning.options(task.world.bounds().extent())?;
+    let mut options = args.planning.options(task.world.bounds().extent(), &[&planner_choice])?;
     options.prove = true;
     if args.best || args.budget_ms.is_some() {
         options.stop = Stop::Best;

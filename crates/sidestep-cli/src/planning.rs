@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use sidestep::error::InvalidInput;
+use sidestep::optimizer::Method;
 use sidestep::plan::{Options, Planner};
 use sidestep::planner_name::parse_planner;
 use sidestep::policy::Policy;
@@ -22,9 +23,9 @@ pub struct PlanningArgs {
     /// How the others are drawn: line, via-point, sorted, random or paper
     #[arg(long, default_value = "via-point")]
     start_strategy: String,
-    /// Constants of the objective: default or paper
-    #[arg(long, default_value = "default")]
-    profile: String,
+    /// Constants of the objective: default or paper [default: the policy's where one plans]
+    #[arg(long)]
+    profile: Option<String>,
     /// Optimizer steps per start
     #[arg(long, default_value_t = 200)]
     steps: usize,
@@ -40,9 +41,17 @@ pub struct PlanningArgs {
 }
 
 impl PlanningArgs {
-    /// The planner options for a field of the given extent.
-    pub fn options(&self, extent: f64) -> Result<Options, Failure> {
-        let mut profile = Profile::named(&self.profile)?;
+    /// The planner options for a field of the given extent; a learned planner among `planners`
+    /// decides the profile and the number of waypoints that the flags leave open.
+    pub fn options(&self, extent: f64, planners: &[&Planner]) -> Result<Options, Failure> {
+        let policy = planners.iter().find_map(|planner| match planner {
+            Planner::Optimizer(Method::Learned(policy)) | Planner::Auto(Method::Learned(policy)) => {
+                Some(policy.card())
+            }
+            _ => None,
+        });
+        let default_profile = policy.map_or("default", |card| card.profile.as_str());
+        let mut profile = Profile::named(self.profile.as_deref().unwrap_or(default_profile))?;
         if let Some(clearance) = self.clearance {
             if !(clearance > 0.0 && clearance <= extent) {
                 let allowed = format!("a number above 0 and at most {extent}, the field's extent");
@@ -52,7 +61,7 @@ impl PlanningArgs {
         }
         Ok(Options {
             profile,
-            waypoints: self.waypoints,
+            waypoints: self.waypoints.or(policy.map(|card| card.waypoints)),
             starts: self.starts,
             strategy: StartStrategy::named(&self.start_strategy)?,
             steps: self.steps,

@@ -27,6 +27,7 @@ use crate::world::World;
 pub struct Scene {
     profile: Profile,
     frame: Frame,
+    field_size: [f32; 2],
     field: Field,
     sampled: Option<SampledCheck>,
     certifier: Certifier,
@@ -47,6 +48,7 @@ impl Scene {
             certifier: Certifier::new(world, robot),
             profile: profile.clone(),
             frame,
+            field_size: world.bounds().size().map(|side| (side / frame.scale) as f32),
             sampled,
         }
     }
@@ -59,6 +61,11 @@ impl Scene {
     /// The map between task units and normalised units.
     pub fn frame(&self) -> Frame {
         self.frame
+    }
+
+    /// Width and height of the bounds, in normalised units.
+    pub fn field_size(&self) -> [f32; 2] {
+        self.field_size
     }
 
     /// The signed distance field.

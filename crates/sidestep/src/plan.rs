@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::certificate::Violation;
+use crate::certificate::{Certifier, Violation};
 use crate::error::InvalidInput;
 use crate::objective::{Objective, Scene};
 use crate::optimizer::{Method, Optimizer};
@@ -174,6 +174,18 @@ pub struct Plan {
     pub origin: Origin,
 }
 
+impl Plan {
+    /// The answer to a task whose start or goal is not free.
+    fn invalid(violation: Violation) -> Self {
+        Self {
+            status: Status::Invalid(violation),
+            trajectory: None,
+            steps: 0,
+            origin: Origin::FirstStart,
+        }
+    }
+}
+
 /// Where a plan comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
@@ -209,8 +221,17 @@ pub type Watch<'a> = &'a (dyn Fn(&Iteration<'_>) -> ControlFlow<()> + Sync);
 /// # Errors
 /// If an option is out of range or a learned policy does not fit the task.
 pub fn plan(task: &Task, planner: &Planner, options: &Options) -> Result<Plan, InvalidInput> {
-    let scene = Arc::new(Scene::new(&task.world, task.robot, &options.profile));
-    plan_in(&scene, task, planner, options, &|_| ControlFlow::Continue(()))
+    // Planners that need no objective are spared its distance field.
+    match planner {
+        Planner::ShortestPath => Ok(shortest(task)),
+        Planner::RrtConnect(rrt) => {
+            Ok(tree(&Certifier::new(&task.world, task.robot), task, rrt, options))
+        }
+        Planner::Optimizer(_) | Planner::Auto(_) => {
+            let scene = Arc::new(Scene::new(&task.world, task.robot, &options.profile));
+            plan_in(&scene, task, planner, options, &|_| ControlFlow::Continue(()))
+        }
+    }
 }
 
 /// Plans many tasks on all cores; task i draws from stream i. Results do not depend on the number
@@ -244,13 +265,8 @@ pub fn plan_in(
     watch: Watch<'_>,
 ) -> Result<Plan, InvalidInput> {
     options.check()?;
-    if let Err(violation) = check_ends(scene, task) {
-        return Ok(Plan {
-            status: Status::Invalid(violation),
-            trajectory: None,
-            steps: 0,
-            origin: Origin::FirstStart,
-        });
+    if let Err(violation) = check_ends(scene.certifier(), task) {
+        return Ok(Plan::invalid(violation));
     }
     match planner {
         Planner::Optimizer(method) => {
@@ -263,17 +279,7 @@ pub fn plan_in(
                 _ => plan,
             })
         }
-        Planner::RrtConnect(rrt) => {
-            let mut rng = stream(options.seed, Purpose::Planner, options.index, 0);
-            let outcome = rrt.plan(task, scene.certifier(), &mut rng);
-            let samples = Reason::SamplesSpent { samples: rrt.max_samples };
-            Ok(Plan {
-                status: outcome.as_ref().map_or(Status::Unsolved(samples), |_| Status::Solved),
-                trajectory: outcome,
-                steps: 0,
-                origin: Origin::Tree,
-            })
-        }
+        Planner::RrtConnect(rrt) => Ok(tree(scene.certifier(), task, rrt, options)),
         Planner::ShortestPath => Ok(shortest(task)),
         Planner::Auto(method) => auto(scene, task, method, options, watch),
     }
@@ -296,8 +302,7 @@ impl Options {
 }
 
 /// Whether start and goal are themselves free.
-fn check_ends(scene: &Scene, task: &Task) -> Result<(), Violation> {
-    let certifier = scene.certifier();
+fn check_ends(certifier: &Certifier, task: &Task) -> Result<(), Violation> {
     if certifier.point_is_free(task.start) && certifier.point_is_free(task.goal) {
         return Ok(());
     }
@@ -326,7 +331,7 @@ fn optimize(
         match (&options.warm_start, start) {
             (Some(warm), 0) => resample(&objective, warm, &mut x),
             (None, 0) => objective.straight_line(&mut x),
-            _ => options.strategy.draw(&objective, task.world.bounds(), &mut rng, &mut x),
+            _ => options.strategy.draw(&objective, &mut rng, &mut x),
         }
         attempt(&mut objective, task, method, options, start, x, watch)
     };
@@ -406,10 +411,24 @@ fn shortest(task: &Task) -> Plan {
     let route = ShortestPath::new(&task.world, task.robot).find(task.start, task.goal);
     let (status, trajectory) = match route {
         Route::Found { trajectory, .. } => (Status::Solved, Some(trajectory)),
+        Route::Unsolvable(Proof::End(violation)) => (Status::Invalid(violation), None),
         Route::Unsolvable(proof) => (Status::Unsolvable(proof), None),
         Route::Undecided(doubt) => (Status::Unsolved(Reason::Undecided(doubt)), None),
     };
     Plan { status, trajectory, steps: 0, origin: Origin::ShortestPath }
+}
+
+fn tree(certifier: &Certifier, task: &Task, rrt: &RrtConnect, options: &Options) -> Plan {
+    if let Err(violation) = check_ends(certifier, task) {
+        return Plan::invalid(violation);
+    }
+    let mut rng = stream(options.seed, Purpose::Planner, options.index, 0);
+    let trajectory = rrt.plan(task, certifier, &mut rng);
+    let status = match trajectory {
+        Some(_) => Status::Solved,
+        None => Status::Unsolved(Reason::SamplesSpent { samples: rrt.max_samples }),
+    };
+    Plan { status, trajectory, steps: 0, origin: Origin::Tree }
 }
 
 /// Random starts that `auto` tries at least before it asks the exact search.

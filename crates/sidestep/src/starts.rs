@@ -6,9 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::InvalidInput;
-use crate::geometry::Rect;
 use crate::objective::Objective;
-use crate::profile::Frame;
 
 /// How random start trajectories are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -60,10 +58,9 @@ impl StartStrategy {
         Self::NAMES.iter().find(|(_, strategy)| strategy == self).map_or("", |&(name, _)| name)
     }
 
-    /// Writes a start trajectory for `objective` to `x` (`[N x 2]`, normalised units); `bounds` is
-    /// the world's, in task units.
-    pub fn draw(&self, objective: &Objective, bounds: Rect, rng: &mut ChaCha8Rng, x: &mut [f32]) {
-        let field = NormalisedField::new(objective.scene().frame(), bounds);
+    /// Writes a start trajectory for `objective` to `x` (`[N x 2]`, normalised units).
+    pub fn draw(&self, objective: &Objective, rng: &mut ChaCha8Rng, x: &mut [f32]) {
+        let field = NormalisedField::new(objective.scene().field_size());
         let points = x.as_chunks_mut::<2>().0;
         match self {
             Self::Line => objective.straight_line(x),
@@ -98,10 +95,10 @@ struct NormalisedField {
 }
 
 impl NormalisedField {
-    fn new(frame: Frame, bounds: Rect) -> Self {
+    fn new(size: [f32; 2]) -> Self {
         let margin = 0.1;
-        let side = |axis: usize| (bounds.size()[axis] / frame.scale) as f32;
-        Self { min: [margin; 2], size: [side(0) - 2.0 * margin, side(1) - 2.0 * margin] }
+        let [width, height] = size;
+        Self { min: [margin; 2], size: [width - 2.0 * margin, height - 2.0 * margin] }
     }
 
     fn draw(&self, rng: &mut ChaCha8Rng) -> [f32; 2] {

@@ -238,7 +238,7 @@ fn all_starts(
             objective.straight_line(&mut x);
         } else {
             let mut rng = stream(options.seed, Purpose::Start, index, start as u64);
-            options.strategy.draw(&objective, task.world.bounds(), &mut rng, &mut x);
+            options.strategy.draw(&objective, &mut rng, &mut x);
         }
         let rng = stream(options.seed, Purpose::Planner, index, start as u64);
         let mut optimizer = Optimizer::new(method, task, &objective, rng)?;

@@ -66,12 +66,13 @@ pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
     let begin = Instant::now();
     let (name, groups) = task_groups(args)?;
     let extent = groups[0].1[0].world.bounds().extent();
-    let options = args.planning.options(extent)?;
     let planners: Vec<_> = args
         .planner
         .iter()
         .map(|name| Ok((name, planner(name)?)))
         .collect::<Result<_, Failure>>()?;
+    let every: Vec<_> = planners.iter().map(|(_, planner)| planner).collect();
+    let options = args.planning.options(extent, &every)?;
     let total = groups.iter().map(|(_, tasks)| tasks.len() as u64).sum::<u64>();
     let bar = output::progress("exact shortest paths", total, global.quiet);
     let sets: Vec<TaskSet> = groups

@@ -6,9 +6,10 @@
 use std::sync::Arc;
 
 use crate::error::InvalidInput;
+use crate::network::Scratch;
 use crate::objective::Objective;
 use crate::observation::Encoder;
-use crate::policy::{Policy, Scratch};
+use crate::policy::Policy;
 use crate::task::Task;
 
 #[derive(Debug)]
@@ -26,12 +27,17 @@ impl Learned {
         task: &Task,
         objective: &Objective,
     ) -> Result<Self, InvalidInput> {
-        policy.check_fits(objective)?;
+        policy.check_waypoints(objective.waypoints())?;
+        let profile = objective.scene().profile().name;
+        if policy.card().profile != profile {
+            let allowed = format!("{}, which the policy was trained in", policy.card().profile);
+            return Err(InvalidInput::new("profile", profile, allowed));
+        }
         let encoder = Encoder::new(policy.observation(), objective, &task.world)?;
         Ok(Self {
             observation: vec![0.0; encoder.len(objective)],
             action: vec![0.0; objective.dim()],
-            scratch: policy.scratch(),
+            scratch: Scratch::default(),
             encoder,
             policy,
         })
@@ -39,7 +45,7 @@ impl Learned {
 
     pub fn step(&mut self, x: &mut [f32], gradient: &[f32], objective: &Objective) {
         self.encoder.encode(objective, x, gradient, &mut self.observation);
-        self.policy.act(&self.observation, &mut self.scratch, &mut self.action);
-        self.policy.apply(&self.action, x);
+        let field = objective.scene().field_size();
+        self.policy.step(&self.observation, &mut self.scratch, field, &mut self.action, x);
     }
 }

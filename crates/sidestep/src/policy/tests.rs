@@ -1,0 +1,121 @@
+//! Policies come back from their files bit for bit; every other file is refused in words.
+
+use proptest::prelude::*;
+
+use super::*;
+
+fn card(observation: &[&str], waypoints: usize) -> PolicyCard {
+    PolicyCard {
+        format: String::new(),
+        architecture: String::new(),
+        sizes: Vec::new(),
+        waypoints,
+        observation: observation.iter().map(|name| (*name).to_string()).collect(),
+        profile: "paper".into(),
+        action: ActionRule::PAPER,
+        training: serde_json::json!({"seed": 3}),
+        licence: "MIT OR Apache-2.0".into(),
+    }
+}
+
+fn policy() -> Policy {
+    let sizes = [31, 6, 20];
+    let count = Mlp::parameter_count(&sizes).unwrap();
+    let parameters = (0..count).map(|i| (i as f32 * 0.7).sin()).collect();
+    let network = Mlp::new(&sizes, parameters).unwrap();
+    Policy::new(card(&["gradient", "obstacle-cost"], 10), network).unwrap()
+}
+
+/// The file of `policy()` with its document changed by `change`.
+fn changed(change: impl FnOnce(&mut serde_json::Value)) -> Vec<u8> {
+    let policy = policy();
+    let mut document = serde_json::to_value(policy.card()).unwrap();
+    change(&mut document);
+    tensors::write(&document, &network_tensors(policy.network(), "")).unwrap()
+}
+
+#[test]
+fn round_trip_is_exact() {
+    let policy = policy();
+    let bytes = policy.to_safetensors().unwrap();
+    assert_eq!(Policy::from_safetensors(&bytes).unwrap(), policy);
+    assert_eq!(bytes, policy.to_safetensors().unwrap(), "the same policy, the same bytes");
+}
+
+#[test]
+fn contradictions_name_both_sides() {
+    let check = |bytes: Vec<u8>, expected: &str| {
+        let message = Policy::from_safetensors(&bytes).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    };
+    check(changed(|d| d["format"] = "sidestep.policy/2".into()), "expected sidestep.policy/1");
+    check(changed(|d| d["architecture"] = "conv".into()), "policy.architecture: conv");
+    check(changed(|d| d["profile"] = "papr".into()), "policy.profile: papr");
+    check(changed(|d| d["waypoints"] = 12.into()), "[37, .., 24]");
+    check(changed(|d| d["waypoints"] = 0.into()), "policy.waypoints: 0");
+    check(changed(|d| d["waypoints"] = u64::MAX.into()), "policy.waypoints");
+    check(changed(|d| d["observation"] = serde_json::json!(["gradient"])), "[20, .., 20]");
+    check(changed(|d| d["observation"] = serde_json::json!(["gradent"])), "gradent");
+    check(changed(|d| d["observation"] = serde_json::json!([])), "at least one part");
+    check(changed(|d| d["sizes"] = serde_json::json!([31, 7, 20])), "F32 [6, 31]");
+    check(changed(|d| d["sizes"] = serde_json::json!([31, 1_u64 << 40, 20])), "parameters in all");
+    check(changed(|d| d["sizes"] = serde_json::json!([])), "policy.sizes");
+    check(changed(|d| d["action"]["limit"] = 0.into()), "policy.action.limit");
+    check(changed(|d| d["action"]["scale"] = (-1).into()), "policy.action.scale");
+    check(changed(|d| d["surprise"] = 1.into()), "unknown field `surprise`");
+    check(changed(|d| d["licence"] = serde_json::Value::Null), "invalid type: null");
+}
+
+#[test]
+fn waypoints_that_do_not_fit_are_named() {
+    let message = policy().check_waypoints(12).unwrap_err().to_string();
+    assert_eq!(
+        message,
+        "waypoints: 12 is not allowed; expected 10, which the policy was trained for"
+    );
+}
+
+#[test]
+fn the_action_rule_clips_updates_and_positions() {
+    let rule = ActionRule { scale: 2.0, limit: 1.0, keep_inside: true };
+    let mut x = [1.0, 6.0, 0.5, 3.0, 2.0, 2.0];
+    rule.apply(&[0.25, 0.3, -9.0, 0.1, f32::NAN, f32::INFINITY], [6.4, 6.4], &mut x);
+    assert_eq!(x, [1.5, 6.4, 0.0, 3.2, 2.0, 3.0]);
+    let mut free = [6.0, 6.0];
+    ActionRule { keep_inside: false, ..rule }.apply(&[1.0, 0.0], [6.4, 6.4], &mut free);
+    assert_eq!(free, [7.0, 6.0]);
+}
+
+proptest! {
+    #[test]
+    fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        prop_assert!(Policy::from_safetensors(&bytes).is_err());
+    }
+
+    #[test]
+    fn damaged_files_never_panic(
+        cut in 0_usize..2000,
+        changes in prop::collection::vec((0_usize..2000, any::<u8>()), 0..6),
+    ) {
+        let mut bytes = policy().to_safetensors().unwrap();
+        for (at, byte) in changes {
+            let length = bytes.len();
+            bytes[at % length] = byte;
+        }
+        bytes.truncate(bytes.len() - cut.min(bytes.len()));
+        if let Ok(policy) = Policy::from_safetensors(&bytes) {
+            prop_assert!(policy.network().parameters().iter().all(|p| p.is_finite()));
+        }
+    }
+
+    #[test]
+    fn damaged_headers_never_panic(
+        at in 8_usize..1200,
+        text in "[\\[\\]{}\",:0-9a-z]{0,12}",
+    ) {
+        let mut bytes = policy().to_safetensors().unwrap();
+        let end = (at + text.len()).min(bytes.len());
+        bytes[at..end].copy_from_slice(&text.as_bytes()[..end - at]);
+        let _ = Policy::from_safetensors(&bytes);
+    }
+}

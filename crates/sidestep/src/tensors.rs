@@ -1,0 +1,198 @@
+//! Named f32 tensors and one JSON document in a safetensors file, read from bytes that nobody vouches for.
+//!
+//! Format: <https://github.com/huggingface/safetensors> (8 bytes of header length, a JSON header with each
+//! tensor's shape and offsets, the data). The document lies under the key `sidestep` of the header's metadata
+//! and carries a `format` such as `sidestep.policy/1`. Reading allocates no more than a small
+//! multiple of the file's size, whatever sizes the file claims.
+
+use std::collections::{BTreeSet, HashMap};
+
+use safetensors::tensor::{Dtype, SafeTensors, TensorView};
+use serde::Serialize;
+use serde::de::{Deserialize, DeserializeOwned};
+
+use crate::error::InvalidInput;
+
+/// Key of the document in the header's metadata.
+const DOCUMENT: &str = "sidestep";
+
+/// A tensor to be written: its name, its shape and its numbers, row-major.
+pub type Tensor<'a> = (String, Vec<usize>, &'a [f32]);
+
+/// Writes a file.
+///
+/// # Errors
+/// If the document is no JSON, or a shape does not fit its numbers.
+pub fn write(document: &impl Serialize, tensors: &[Tensor]) -> Result<Vec<u8>, InvalidInput> {
+    let failed = |error: &dyn std::fmt::Display| {
+        InvalidInput::new("safetensors", error, "numbers that fit their shapes, a JSON document")
+    };
+    let text = serde_json::to_string(document).map_err(|error| failed(&error))?;
+    let bytes: Vec<Vec<u8>> = tensors
+        .iter()
+        .map(|(_, _, values)| values.iter().flat_map(|value| value.to_le_bytes()).collect())
+        .collect();
+    let mut views = Vec::with_capacity(tensors.len());
+    for ((name, shape, _), bytes) in tensors.iter().zip(&bytes) {
+        let view = TensorView::new(Dtype::F32, shape.clone(), bytes);
+        views.push((name, view.map_err(|error| failed(&error))?));
+    }
+    let metadata = HashMap::from([(DOCUMENT.to_string(), text)]);
+    safetensors::serialize(views, Some(metadata)).map_err(|error| failed(&error))
+}
+
+/// A file that is being read.
+pub struct Reader<'a> {
+    /// What the file should be, as in `policy`; opens every error's field.
+    what: &'static str,
+    document: String,
+    tensors: SafeTensors<'a>,
+    unread: BTreeSet<String>,
+}
+
+impl<'a> Reader<'a> {
+    /// Opens a file that should hold a `what`, whose document has the given `format`.
+    ///
+    /// # Errors
+    /// If the bytes are no safetensors file (truncated, oversized, inconsistent), there is no document, or its format differs.
+    pub fn new(bytes: &'a [u8], what: &'static str, format: &str) -> Result<Self, InvalidInput> {
+        let refused = |error: &dyn std::fmt::Display| {
+            InvalidInput::new(
+                format!("{what} file"),
+                format!("{} bytes ({error})", bytes.len()),
+                "a complete safetensors file",
+            )
+        };
+        let (_, header) = SafeTensors::read_metadata(bytes).map_err(|error| refused(&error))?;
+        let tensors = SafeTensors::deserialize(bytes).map_err(|error| refused(&error))?;
+        let document = header.metadata().as_ref().and_then(|map| map.get(DOCUMENT)).cloned();
+        let Some(document) = document else {
+            return Err(InvalidInput::new(
+                format!("{what} file"),
+                "a safetensors file without metadata of ours",
+                format!("metadata `{DOCUMENT}` with format {format}"),
+            ));
+        };
+        let unread = tensors.names().into_iter().map(str::to_string).collect();
+        let reader = Self { what, document, tensors, unread };
+        // The format first: a newer version may have other fields.
+        #[derive(serde::Deserialize)]
+        struct Head {
+            format: String,
+        }
+        let head: Head = reader.parse()?;
+        if head.format != format {
+            return Err(InvalidInput::new(format!("{what}.format"), head.format, format));
+        }
+        Ok(reader)
+    }
+
+    /// The document.
+    ///
+    /// # Errors
+    /// If it lacks a field, or has one of another kind or one that is not known.
+    pub fn document<T: DeserializeOwned>(&self) -> Result<T, InvalidInput> {
+        self.parse()
+    }
+
+    fn parse<T: for<'de> Deserialize<'de>>(&self) -> Result<T, InvalidInput> {
+        serde_json::from_str(&self.document).map_err(|error| {
+            InvalidInput::new(
+                format!("{} file, metadata `{DOCUMENT}`", self.what),
+                error,
+                "the fields of its format",
+            )
+        })
+    }
+
+    /// The numbers of one tensor, of which the shape is known and every number must be finite.
+    ///
+    /// # Errors
+    /// If the tensor is missing, of another type or shape, or holds NaN or infinity.
+    pub fn tensor(&mut self, name: &str, shape: &[usize]) -> Result<Vec<f32>, InvalidInput> {
+        let field = || format!("{}.tensors.{name}", self.what);
+        let expected = || format!("F32 {shape:?}");
+        let Ok(view) = self.tensors.tensor(name) else {
+            return Err(InvalidInput::new(field(), "a missing tensor", expected()));
+        };
+        if view.dtype() != Dtype::F32 || view.shape() != shape {
+            let found = format!("{:?} {:?}", view.dtype(), view.shape());
+            return Err(InvalidInput::new(field(), found, expected()));
+        }
+        let (words, _) = view.data().as_chunks::<4>();
+        let values: Vec<f32> = words.iter().map(|word| f32::from_le_bytes(*word)).collect();
+        if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+            let name = format!("{}[{at}]", field());
+            return Err(InvalidInput::new(name, values[at], "finite numbers only"));
+        }
+        self.unread.remove(name);
+        Ok(values)
+    }
+
+    /// Ends the reading.
+    ///
+    /// # Errors
+    /// If the file has a tensor that nobody asked for.
+    pub fn finish(self) -> Result<(), InvalidInput> {
+        match self.unread.first() {
+            None => Ok(()),
+            Some(name) => Err(InvalidInput::new(
+                format!("{}.tensors", self.what),
+                format!("the tensor `{name}`"),
+                "only the tensors of its architecture",
+            )),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FORMAT: &str = "sidestep.test/1";
+
+    fn file(values: &[f32]) -> Vec<u8> {
+        let document = serde_json::json!({"format": FORMAT});
+        write(&document, &[("a".into(), vec![values.len()], values)]).unwrap()
+    }
+
+    #[test]
+    fn numbers_come_back_bit_for_bit() {
+        let values = [1.5, -0.0, f32::MIN_POSITIVE, 1e-40, f32::MAX];
+        let bytes = file(&values);
+        let mut reader = Reader::new(&bytes, "test", FORMAT).unwrap();
+        let back = reader.tensor("a", &[5]).unwrap();
+        assert!(values.iter().zip(&back).all(|(a, b)| a.to_bits() == b.to_bits()));
+        reader.finish().unwrap();
+    }
+
+    #[test]
+    fn refusals_name_what_was_found_and_expected() {
+        let check = |bytes: &[u8], format: &str, name: &str, shape: &[usize], expected: &str| {
+            let result = Reader::new(bytes, "test", format)
+                .and_then(|mut reader| reader.tensor(name, shape).and_then(|_| reader.finish()));
+            let message = result.unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
+        };
+        let good = file(&[1.0, 2.0]);
+        check(&good[..good.len() - 1], FORMAT, "a", &[2], "complete safetensors file");
+        check(&[&good[..], &[0]].concat(), FORMAT, "a", &[2], "complete safetensors file");
+        check(&[], FORMAT, "a", &[2], "0 bytes");
+        check(&[0xff; 16], FORMAT, "a", &[2], "16 bytes");
+        check(&good, "sidestep.test/2", "a", &[2], "test.format: sidestep.test/1");
+        check(&good, FORMAT, "b", &[2], "test.tensors.b: a missing tensor");
+        check(&good, FORMAT, "a", &[3], "test.tensors.a: F32 [2]");
+        check(&good, FORMAT, "a", &[2, 1], "expected F32 [2, 1]");
+        check(&file(&[1.0, f32::NAN]), FORMAT, "a", &[2], "test.tensors.a[1]: NaN");
+        check(&file(&[f32::INFINITY]), FORMAT, "a", &[1], "test.tensors.a[0]: inf");
+        let plain = safetensors::serialize(Vec::<(String, TensorView)>::new(), None).unwrap();
+        check(&plain, FORMAT, "a", &[2], "without metadata of ours");
+    }
+
+    #[test]
+    fn an_unknown_tensor_is_refused() {
+        let bytes = file(&[1.0]);
+        let error = Reader::new(&bytes, "test", FORMAT).unwrap().finish().unwrap_err();
+        assert!(error.to_string().contains("the tensor `a`"), "{error}");
+    }
+}
