@@ -4,12 +4,13 @@
 #![allow(clippy::print_stdout, reason = "an example prints its findings")]
 
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Instant;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sidestep::geometry::{Point, Rect};
-use sidestep::{Certifier, Obstacle, Robot, Route, ShortestPath, World};
+use sidestep::{Certifier, Obstacle, Robot, Route, RrtConnect, ShortestPath, Task, World};
 
 /// Random tasks for each measurement.
 const TASKS: usize = 5000;
@@ -40,6 +41,12 @@ fn main() {
     }
     for robot in [Robot::Point, Robot::Disc { radius: 1.0 }] {
         time_shortest_path(&mut rng, robot);
+    }
+    for step in [0.1, 0.2, 0.4, 1.0] {
+        for shortcut_rounds in [0, 8, 32] {
+            let planner = RrtConnect { step, shortcut_rounds, ..RrtConnect::default() };
+            time_rrt_connect(&mut ChaCha8Rng::seed_from_u64(1001), &planner);
+        }
     }
 }
 
@@ -96,6 +103,36 @@ fn time_shortest_path(rng: &mut ChaCha8Rng, robot: Robot) {
     );
     println!("  with construction: {}", quantiles(&mut cold));
     println!("  warm:              {}", quantiles(&mut warm));
+}
+
+fn time_rrt_connect(rng: &mut ChaCha8Rng, planner: &RrtConnect) {
+    let (mut times, mut ratios, mut solvable, mut checks) = (Vec::new(), Vec::new(), 0, 0);
+    let mut planner_rng = ChaCha8Rng::seed_from_u64(0);
+    for _ in 0..TASKS {
+        let (world, start, goal) = random_task(rng);
+        let best = ShortestPath::new(&world, Robot::Point).find(start, goal).length();
+        let Ok(task) = Task::new("", Arc::new(world), Robot::Point, start, goal) else { continue };
+        let certifier = Certifier::new(&task.world, task.robot);
+        let Some(best) = best else { continue };
+        solvable += 1;
+        let clock = Instant::now();
+        let run = planner.plan(&task, &certifier, &mut planner_rng);
+        times.push(clock.elapsed().as_nanos() as f64 * 1e-3);
+        checks += run.checks;
+        if let Some(found) = run.trajectory {
+            ratios.push(found.length() / best.max(1e-12));
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    println!(
+        "rrt-connect, {planner:?}: {} of {solvable} solved, {:.1} checks, length / shortest: \
+         mean {:.3}, 95 % {:.3}; {}",
+        ratios.len(),
+        checks as f64 / f64::from(solvable),
+        ratios.iter().sum::<f64>() / ratios.len() as f64,
+        ratios[ratios.len() * 95 / 100],
+        quantiles(&mut times)
+    );
 }
 
 /// Median, 95th percentile and largest of times in microseconds.

@@ -33,6 +33,7 @@ mod world;
 
 pub use error::InvalidInput;
 pub use robot::Robot;
+pub use rrt_connect::{RrtConnect, RrtRun};
 pub use shortest_path::{Route, ShortestPath};
 pub use task::Task;
 pub use trajectory::Trajectory;

@@ -12,8 +12,8 @@ pub enum Route {
         trajectory: Trajectory,
         /// Its length, in task units.
         length: f64,
-        /// No path that keeps a clearance of three tolerances is shorter. Equal to the length (but
-        /// for rounding) where nothing is round.
+        /// No path that keeps three tolerances more than the robot's radius from every obstacle
+        /// is shorter. Equal to the length where nothing is round.
         lower_bound: f64,
     },
     /// There is no path, proved.

@@ -356,7 +356,7 @@ fn rooms(size: usize, rng: &mut ChaCha8Rng) -> World {
 fn sight_and_rules_lose_nothing_on_grids() {
     let mut rng = ChaCha8Rng::seed_from_u64(20_002);
     for index in 0..12 {
-        let map = rooms(60, &mut rng);
+        let map = rooms(40, &mut rng);
         let grid = map.grid().unwrap();
         let robot = Robot::disc([0.0, 0.2, 0.45][index % 3]).unwrap();
         let mut query = ShortestPath::new(&map, robot);
@@ -364,7 +364,7 @@ fn sight_and_rules_lose_nothing_on_grids() {
         let mut blind = query.clone();
         blind.outside.sight = None;
         for _ in 0..6 {
-            let mut cell = || (rng.random_range(0..60_i64), rng.random_range(0..60_i64));
+            let mut cell = || (rng.random_range(0..40_i64), rng.random_range(0..40_i64));
             let (from, to) = (cell(), cell());
             let center = |(x, y): (i64, i64)| {
                 let rect = grid.cell_rect(x, y);
