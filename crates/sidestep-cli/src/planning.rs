@@ -45,9 +45,8 @@ impl PlanningArgs {
     /// decides the profile and the number of waypoints that the flags leave open.
     pub fn options(&self, extent: f64, planners: &[&Planner]) -> Result<Options, Failure> {
         let policy = planners.iter().find_map(|planner| match planner {
-            Planner::Optimizer(Method::Learned(policy)) | Planner::Auto(Method::Learned(policy)) => {
-                Some(policy.card())
-            }
+            Planner::Optimizer(Method::Learned(policy))
+            | Planner::Auto(Method::Learned(policy)) => Some(policy.card()),
             _ => None,
         });
         let default_profile = policy.map_or("default", |card| card.profile.as_str());

@@ -16,7 +16,7 @@ use crate::objective::{Objective, Scene};
 use crate::optimizer::{Method, Optimizer};
 use crate::profile::Profile;
 use crate::rng::{Purpose, stream};
-use crate::rrt_connect::RrtConnect;
+use crate::rrt_connect::{RrtConnect, RrtRun};
 use crate::run::{Iteration, Run, Until, run};
 use crate::shortest_path::{Doubt, Proof, Route, ShortestPath};
 use crate::starts::{StartStrategy, polyline};
@@ -423,10 +423,10 @@ fn tree(certifier: &Certifier, task: &Task, rrt: &RrtConnect, options: &Options)
         return Plan::invalid(violation);
     }
     let mut rng = stream(options.seed, Purpose::Planner, options.index, 0);
-    let trajectory = rrt.plan(task, certifier, &mut rng);
+    let RrtRun { trajectory, samples, .. } = rrt.plan(task, certifier, &mut rng);
     let status = match trajectory {
         Some(_) => Status::Solved,
-        None => Status::Unsolved(Reason::SamplesSpent { samples: rrt.max_samples }),
+        None => Status::Unsolved(Reason::SamplesSpent { samples }),
     };
     Plan { status, trajectory, steps: 0, origin: Origin::Tree }
 }

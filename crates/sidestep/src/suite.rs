@@ -171,8 +171,9 @@ mod tests {
     #[test]
     fn value_stability() {
         let task = candidate(2, 0);
-        let Obstacle::Rect(first) = &task.world.obstacles()[0] else { panic!("a rectangle") };
-        println!("{first:?} {:?} {:?}", task.start, task.goal);
+        let first = Rect { min: [2.0, 55.0], max: [21.0, 66.0] };
+        assert_eq!(task.world.obstacles()[0], Obstacle::Rect(first));
+        assert_eq!((task.start, task.goal), ([4.0, 18.0], [12.0, 24.0]));
     }
 
     #[test]
