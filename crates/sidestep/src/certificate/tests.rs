@@ -1,3 +1,5 @@
+//! Hand-made rows, and the fast paths against exact distances and samples.
+
 use proptest::prelude::*;
 
 use super::*;

@@ -1,3 +1,5 @@
+//! Against the exact shortest path, and frozen values.
+
 use std::sync::Arc;
 
 use super::*;

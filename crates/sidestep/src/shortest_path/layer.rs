@@ -24,6 +24,8 @@ pub(crate) struct Layer {
     /// Distances below this do not count when turns are judged.
     pub(crate) slack: f64,
     pub(crate) sight: Option<Sight>,
+    /// Whether a free point may lie inside a grown obstacle: between an arc and the polygon round it.
+    pub(crate) has_bands: bool,
 }
 
 impl Layer {
@@ -43,7 +45,8 @@ impl Layer {
         if let Some(cells) = certifier.cells() {
             rounding.corners_of_cells(cells, |corner| corners.push(corner));
         }
-        Self::new(certifier, corners, slack)
+        let has_bands = !Self::is_exact(&certifier);
+        Self { has_bands, ..Self::new(certifier, corners, slack) }
     }
 
     /// No path of the robot is shorter than the shortest over these corners.
@@ -112,7 +115,7 @@ impl Layer {
         corners.retain(|corner| certifier.point_is_free(corner.at));
         let sight =
             (corners.len() > MOST_WITHOUT_SIGHT).then(|| Sight::new(&certifier, &mut corners));
-        Self { certifier, corners, slack, sight }
+        Self { certifier, corners, slack, sight, has_bands: false }
     }
 
     /// Whether the corners are exact but for a few tolerances: nothing is round.

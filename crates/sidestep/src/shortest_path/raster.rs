@@ -10,7 +10,7 @@ use crate::geometry::{Point, Rect};
 use crate::world::Obstacle;
 
 /// Most cells; a larger area gets larger cells, then without the occupied cells of a grid.
-const MOST_CELLS: f64 = 6.7e7;
+const MOST_CELLS: f64 = 3e8;
 
 /// Blocked cells over the bounds.
 #[derive(Debug, Clone)]

@@ -7,7 +7,8 @@
 //! run into the obstacle whose corner it arrives at (*tangent*).
 //!
 //! Taut and tangent are judged with a slack of many tolerances, so that sides on one line and corners on
-//! top of each other keep all their edges; a search that fails is repeated without these rules.
+//! top of each other keep all their edges; a failure that has to be a proof is repeated without
+//! these rules.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -15,6 +16,9 @@ use std::collections::BinaryHeap;
 use super::corners::Corner;
 use super::layer::Layer;
 use crate::geometry::{Point, cross, distance, norm, scale, sub};
+
+/// Most edges waiting, for the sake of memory (24 bytes each).
+const MOST_QUEUED: usize = 1 << 24;
 
 /// How a search ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -172,7 +176,7 @@ impl Workspace {
                 if edge.cost >= self.cost[to] {
                     continue;
                 }
-                if self.checks == most_checks {
+                if self.checks == most_checks || self.queue.len() > MOST_QUEUED {
                     return Ending::OutOfWork;
                 }
                 self.checks += 1;
@@ -210,10 +214,12 @@ impl Workspace {
             |step: Point, length: f64| taut.is_none_or(|t| t.allows(step, length, slack));
         let step = sub(goal, at);
         let length = norm(step);
-        if !pruned || leads_on(step, length) {
+        if !pruned || layer.has_bands || leads_on(step, length) {
             let total = base + length;
             queue.push(Edge { estimate: total, cost: total, from: node as u32, to: n as u32 + 1 });
         }
+        // The start may lie between an arc and its polygon, like the goal above.
+        let is_inside_band = layer.has_bands && node == n;
         let mut consider = |to: usize| {
             let corner = &layer.corners[to];
             let step = sub(corner.at, at);
@@ -222,7 +228,8 @@ impl Workspace {
             if total >= cost[to] {
                 return;
             }
-            if pruned && !(tangent(corner, step, slack) && leads_on(step, length)) {
+            if pruned && !(is_inside_band || tangent(corner, step, slack) && leads_on(step, length))
+            {
                 return;
             }
             let estimate = total + distance(corner.at, goal);
