@@ -31,6 +31,7 @@ pub mod tensors;
 mod trajectory;
 mod world;
 
+pub use certificate::{Certifier, Violation, certify};
 pub use error::InvalidInput;
 pub use robot::Robot;
 pub use rrt_connect::{RrtConnect, RrtRun};
