@@ -203,13 +203,18 @@ impl Certifier {
     /// rounding. Where the path enters an obstacle this is minus the robot's radius, and outside
     /// the bounds it is below that. Infinite for an empty trajectory.
     pub fn clearance(&self, trajectory: &Trajectory) -> f64 {
-        let points = trajectory.points();
+        self.clearance_of(trajectory.points())
+    }
+
+    /// The clearance of a path through these points.
+    pub(crate) fn clearance_of(&self, points: &[Point]) -> f64 {
         // To the walls, from the reference point; the extremes are at points.
         let body = self.bounds.inflated(self.radius);
         let mut best =
             points.iter().map(|&p| -body.signed_distance(p)).fold(f64::INFINITY, f64::min);
         let lone = points.iter().take(if points.len() == 1 { 1 } else { 0 }).map(|&p| (p, p));
-        for (a, b) in trajectory.segments().chain(lone) {
+        let segments = points.windows(2).map(|pair| (pair[0], pair[1]));
+        for (a, b) in segments.chain(lone) {
             for obstacle in &self.obstacles {
                 if boxes_distance(a, b, &obstacle.bounding_box()) < best {
                     best = best.min(segment_obstacle_distance(a, b, obstacle));

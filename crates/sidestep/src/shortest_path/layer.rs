@@ -24,8 +24,9 @@ pub(crate) struct Layer {
     /// Distances below this do not count when turns are judged.
     pub(crate) slack: f64,
     pub(crate) sight: Option<Sight>,
-    /// Whether a free point may lie inside a grown obstacle: between an arc and the polygon round it.
-    pub(crate) has_bands: bool,
+    /// How far the polygons round arcs reach beyond them, at most. A free point with less clearance
+    /// may lie in such a band, inside a grown obstacle.
+    pub(crate) band: f64,
 }
 
 impl Layer {
@@ -45,8 +46,14 @@ impl Layer {
         if let Some(cells) = certifier.cells() {
             rounding.corners_of_cells(cells, |corner| corners.push(corner));
         }
-        let has_bands = !Self::is_exact(&certifier);
-        Self { has_bands, ..Self::new(certifier, corners, slack) }
+        let widest = certifier.obstacles().iter().map(|shape| match shape {
+            Obstacle::Circle(circle) => radius + circle.radius,
+            _ => radius,
+        });
+        let reach = 1.0 / (0.5 * step).cos() - 1.0;
+        let band = widest.fold(radius, f64::max) * reach + certifier.tolerance();
+        let band = if Self::is_exact(&certifier) { 0.0 } else { band };
+        Self { band, ..Self::new(certifier, corners, slack) }
     }
 
     /// No path of the robot is shorter than the shortest over these corners.
@@ -115,7 +122,7 @@ impl Layer {
         corners.retain(|corner| certifier.point_is_free(corner.at));
         let sight =
             (corners.len() > MOST_WITHOUT_SIGHT).then(|| Sight::new(&certifier, &mut corners));
-        Self { certifier, corners, slack, sight, has_bands: false }
+        Self { certifier, corners, slack, sight, band: 0.0 }
     }
 
     /// Whether the corners are exact but for a few tolerances: nothing is round.

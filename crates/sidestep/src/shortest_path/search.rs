@@ -147,6 +147,8 @@ impl Workspace {
     ) -> Ending {
         let n = layer.corners.len();
         let (start_node, goal_node) = (n, n + 1);
+        let ends_in_band = [start, goal]
+            .map(|end| layer.band > 0.0 && layer.certifier.clearance_of(&[end]) <= layer.band);
         self.cost.clear();
         self.cost.resize(n + 2, f64::INFINITY);
         self.parent.clear();
@@ -161,14 +163,8 @@ impl Workspace {
         self.cost[start_node] = 0.0;
         let mut node = start_node;
         loop {
-            self.expand(
-                layer,
-                node,
-                position(self.parent[node] as usize),
-                position(node),
-                goal,
-                pruned,
-            );
+            let from = position(self.parent[node] as usize);
+            self.expand(layer, node, [from, position(node)], goal, pruned, ends_in_band);
             // The next edge that is free and an improvement.
             node = loop {
                 let Some(edge) = self.queue.pop() else { return Ending::Exhausted };
@@ -193,33 +189,34 @@ impl Workspace {
         }
     }
 
-    /// Queues the edges that leave `node`.
+    /// Queues the edges that leave `node`, which was reached by `arrival`.
     fn expand(
         &mut self,
         layer: &Layer,
         node: usize,
-        parent_at: Point,
-        at: Point,
+        arrival: [Point; 2],
         goal: Point,
         pruned: bool,
+        ends_in_band: [bool; 2],
     ) {
+        let at = arrival[1];
         let n = layer.corners.len();
         let slack = layer.slack;
         let base = self.cost[node];
         let taut = (pruned && node < n)
-            .then(|| Taut::new(layer.corners[node], sub(at, parent_at), slack))
+            .then(|| Taut::new(layer.corners[node], sub(at, arrival[0]), slack))
             .flatten();
         let Self { cost, queue, sight, .. } = self;
         let leads_on =
             |step: Point, length: f64| taut.is_none_or(|t| t.allows(step, length, slack));
         let step = sub(goal, at);
         let length = norm(step);
-        if !pruned || layer.has_bands || leads_on(step, length) {
+        if !pruned || ends_in_band[1] || leads_on(step, length) {
             let total = base + length;
             queue.push(Edge { estimate: total, cost: total, from: node as u32, to: n as u32 + 1 });
         }
-        // The start may lie between an arc and its polygon, like the goal above.
-        let is_inside_band = layer.has_bands && node == n;
+        // Between an arc and its polygon the rules do not hold.
+        let is_inside_band = ends_in_band[0] && node == n;
         let mut consider = |to: usize| {
             let corner = &layer.corners[to];
             let step = sub(corner.at, at);
