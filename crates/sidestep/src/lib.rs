@@ -12,6 +12,7 @@ pub mod geometry;
 pub mod kernels;
 pub mod network;
 pub mod objective;
+pub mod objective_reference;
 pub mod observation;
 pub mod optimizer;
 pub mod plan;

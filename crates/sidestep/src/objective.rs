@@ -280,7 +280,8 @@ fn evaluate_body<const ISA: u8>(
     let profile = &scene.profile;
     let waypoints = x.as_chunks::<2>().0;
     buffers.place_points(*start, waypoints, *goal);
-    scene.field.sample(&buffers.x, &buffers.y, &mut buffers.samples);
+    let points = (waypoints.len() + 1) * (profile.substeps + 1) - 1;
+    scene.field.sample(&buffers.x, &buffers.y, points, &mut buffers.samples);
     let obstacle = buffers.costs_and_slopes(
         profile.epsilon as f32,
         profile.obstacle_gradient_factor as f32,

@@ -4,6 +4,7 @@
 //! can miss a corner that is cut between two samples; the exact one is [`crate::certificate`].
 
 use crate::geometry::Point;
+use crate::kernels::{Isa, dispatch};
 use crate::profile::Frame;
 use crate::robot::Robot;
 use crate::world::{Obstacle, World};
@@ -17,7 +18,7 @@ const LANES: usize = 16;
 /// The check for one world and robot, in normalised units.
 #[derive(Debug, Clone)]
 pub struct SampledCheck {
-    /// Fractions of a segment at which points are tested.
+    /// Fractions of a segment at which points are tested, both ends included, padded by its end.
     fractions: Vec<f32>,
     /// `[min_x, min_y, max_x, max_y]` of the bounds less the robot's radius.
     bounds: [f32; 4],
@@ -59,7 +60,9 @@ impl SampledCheck {
         let inner = world.bounds().inflated(-radius);
         let ([x0, y0], [x1, y1]) = (frame.to_normalised(inner.min), frame.to_normalised(inner.max));
         Self {
-            fractions: (1..=substeps).map(|j| j as f32 / (substeps + 1) as f32).collect(),
+            fractions: (0..(substeps + 2).next_multiple_of(LANES))
+                .map(|j| (j as f32 / (substeps + 1) as f32).min(1.0))
+                .collect(),
             bounds: [x0, y0, x1, y1],
             rects: rectangles.unwrap_or_default(),
             general,
@@ -68,67 +71,69 @@ impl SampledCheck {
 
     /// Whether every sampled point from `start` over the waypoints `x` (`[N x 2]`) to `goal` is free.
     pub fn is_feasible(&self, start: [f32; 2], x: &[f32], goal: [f32; 2]) -> bool {
-        let mut block = Block::default();
-        let mut free = true;
-        let mut push = |p: [f32; 2]| {
-            block.x[block.len] = p[0];
-            block.y[block.len] = p[1];
-            block.len += 1;
-            if block.len == LANES {
-                free = self.block_is_free(&block);
-                block.len = 0;
-            }
-            free
-        };
-        let waypoints = x.as_chunks::<2>().0;
-        let mut from = start;
-        push(from);
-        for &to in waypoints.iter().chain([&goal]) {
-            for &t in &self.fractions {
-                push([from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])]);
-            }
-            if !push(to) {
-                return false;
-            }
-            from = to;
-        }
-        block.len == 0 || {
-            let last = block.len - 1;
-            let (last_x, last_y) = (block.x[last], block.y[last]);
-            block.x[last..].fill(last_x);
-            block.y[last..].fill(last_y);
-            self.block_is_free(&block)
-        }
+        path_is_free(Isa::detect(), self, start, x.as_chunks::<2>().0, goal)
     }
 
+    /// Whether the sampled points of one segment, its ends included, are free.
     #[inline(always)]
-    fn block_is_free(&self, block: &Block) -> bool {
+    fn segment_is_free(&self, from: [f32; 2], to: [f32; 2]) -> bool {
         let [min_x, min_y, max_x, max_y] = self.bounds;
-        let mut hit = [false; LANES];
-        for l in 0..LANES {
-            let (x, y) = (block.x[l], block.y[l]);
-            hit[l] = !((x > min_x) & (x < max_x) & (y > min_y) & (y < max_y));
-        }
-        for &[x0, y0, x1, y1] in &self.rects {
+        let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+        for fractions in self.fractions.as_chunks::<LANES>().0 {
+            let (mut x, mut y) = ([0.0f32; LANES], [0.0f32; LANES]);
+            // How far each point is past a wall or inside a rectangle; positive is a collision.
+            // Minima and maxima vectorise where comparisons joined by `&` do not.
+            let mut depth = [0.0f32; LANES];
             for l in 0..LANES {
-                let (x, y) = (block.x[l], block.y[l]);
-                hit[l] |= (x > x0) & (x < x1) & (y > y0) & (y < y1);
+                x[l] = from[0] + fractions[l] * dx;
+                y[l] = from[1] + fractions[l] * dy;
+                let inside_x = (x[l] - min_x).min(max_x - x[l]);
+                let inside_y = (y[l] - min_y).min(max_y - y[l]);
+                // A point on a wall collides; a NaN must, and `min` would lose it.
+                let inside = inside_x.min(inside_y);
+                depth[l] = if inside > 0.0 && x[l] + y[l] < f32::INFINITY { -1.0 } else { 1.0 };
+            }
+            for &[x0, y0, x1, y1] in &self.rects {
+                for l in 0..LANES {
+                    let inside_x = (x[l] - x0).min(x1 - x[l]);
+                    let inside_y = (y[l] - y0).min(y1 - y[l]);
+                    depth[l] = depth[l].max(inside_x.min(inside_y));
+                }
+            }
+            if depth.iter().fold(-1.0, |most: f32, &d| most.max(d)) > 0.0 {
+                return false;
+            }
+            if let Some(general) = &self.general
+                && !(0..LANES).all(|l| general.is_free([x[l], y[l]]))
+            {
+                return false;
             }
         }
-        if hit.contains(&true) {
-            return false;
-        }
-        self.general
-            .as_ref()
-            .is_none_or(|general| (0..LANES).all(|l| general.is_free([block.x[l], block.y[l]])))
+        true
     }
 }
 
-#[derive(Default)]
-struct Block {
-    x: [f32; LANES],
-    y: [f32; LANES],
-    len: usize,
+dispatch! {
+    /// Whether all segments are free.
+    fn path_is_free(check: &SampledCheck, start: [f32; 2], waypoints: &[[f32; 2]], goal: [f32; 2])
+        -> bool = path_is_free_body;
+}
+
+#[inline(always)]
+fn path_is_free_body<const ISA: u8>(
+    check: &SampledCheck,
+    start: [f32; 2],
+    waypoints: &[[f32; 2]],
+    goal: [f32; 2],
+) -> bool {
+    let mut from = start;
+    for &to in waypoints.iter().chain([&goal]) {
+        if !check.segment_is_free(from, to) {
+            return false;
+        }
+        from = to;
+    }
+    true
 }
 
 impl General {

@@ -24,6 +24,14 @@ impl Obstacle {
         }
     }
 
+    /// Whether `p` lies inside the shape, its border excluded.
+    pub fn contains(&self, p: Point) -> bool {
+        match self {
+            Self::Rect(rect) => (0..2).all(|k| rect.min[k] < p[k] && p[k] < rect.max[k]),
+            _ => self.signed_distance(p) < 0.0,
+        }
+    }
+
     /// The smallest axis-aligned rectangle around the shape, as `(min, max)`.
     pub fn bounding_box(&self) -> Rect {
         match self {
@@ -180,15 +188,6 @@ impl World {
     /// The occupancy grid, if there is one.
     pub fn grid(&self) -> Option<&Grid> {
         self.grid.as_ref()
-    }
-
-    /// Whether `p` lies inside an obstacle (its border excluded) or in an occupied cell.
-    pub fn is_inside_obstacle(&self, p: Point) -> bool {
-        let in_grid = self.grid.as_ref().is_some_and(|grid| {
-            let (column, row) = grid.cell_of(p);
-            grid.is_occupied(column, row)
-        });
-        in_grid || self.obstacles.iter().any(|obstacle| obstacle.signed_distance(p) < 0.0)
     }
 
     /// Lengths below this count as nothing when something is certified: 1e-9 of the field's extent.

@@ -6,8 +6,8 @@
 //! derivative of the interpolant; bilinear interpolation is there to compare.
 //! Outside the raster, coordinates are clamped to the outermost texel centres.
 
-use super::Samples;
 use super::transform::squared_distance_transform;
+use super::{LANES, Samples};
 use crate::profile::Frame;
 use crate::world::{Grid, World};
 
@@ -27,7 +27,10 @@ pub enum Interpolation {
 pub struct ImageField {
     width: usize,
     height: usize,
-    /// `[height x width]` of `[distance, gradient x, gradient y, 0]`; row 0 at the bottom.
+    /// Texels from one row to the next: the width and one more, which repeats the last column.
+    stride: usize,
+    /// `[height + 1 x stride]` of `[distance, gradient x, gradient y, 0]`; row 0 at the bottom, the last
+    /// row repeated, so that a texel always has one to the right and one above.
     texels: Vec<[f32; 4]>,
     /// Normalised position of the lower left texel's centre.
     origin: [f32; 2],
@@ -47,26 +50,16 @@ impl ImageField {
         let bounds = world.bounds();
         let pixel = bounds.extent() / PAPER_PIXELS;
         let [width, height] = bounds.size().map(|side| (side / pixel).ceil().max(1.0) as usize);
-        let (framed_width, framed_height) = (width + 2, height + 2);
-        let mut occupied = vec![true; framed_width * framed_height];
-        for j in 0..height {
-            for i in 0..width {
-                let center = [
-                    bounds.min[0] + (i as f64 + 0.5) * pixel,
-                    bounds.min[1] + (j as f64 + 0.5) * pixel,
-                ];
-                occupied[(j + 1) * framed_width + i + 1] = world.is_inside_obstacle(center);
-            }
-        }
+        let occupied = rasterise(world, width, height, pixel);
         let unit = pixel / frame.scale;
-        let signed = signed_transform(&occupied, framed_width, framed_height, unit, 0.0);
-        let inner = |i: usize, j: usize| signed[(j + 1) * framed_width + i + 1];
-        let texels = sobel_texels(width, height, unit, inner);
+        let signed = signed_transform(&occupied, width + 2, height + 2, unit, 0.0);
+        let texels = sobel_texels(width, height, unit, &signed);
         let center = unit * 0.5;
         Self {
             width,
             height,
-            texels,
+            stride: width + 1,
+            texels: with_repeated_edge(&texels, width),
             origin: [center as f32; 2],
             density: (1.0 / unit) as f32,
             interpolation: Interpolation::BilinearSobel,
@@ -85,7 +78,11 @@ impl ImageField {
         Some(Self {
             width,
             height,
-            texels: signed.iter().map(|&d| [d as f32, 0.0, 0.0, 0.0]).collect(),
+            stride: width + 1,
+            texels: with_repeated_edge(
+                &signed.iter().map(|&d| [d, 0.0, 0.0, 0.0]).collect::<Vec<_>>(),
+                width,
+            ),
             origin: frame.to_normalised([center(0), center(1)]),
             density: (1.0 / unit) as f32,
             interpolation: Interpolation::Bicubic,
@@ -100,11 +97,11 @@ impl ImageField {
 
     /// Samples all points.
     #[inline(always)]
-    pub(crate) fn sample(&self, x: &[f32], y: &[f32], out: &mut Samples) {
+    pub(crate) fn sample(&self, x: &[f32], y: &[f32], points: usize, out: &mut Samples) {
         if self.interpolation == Interpolation::BilinearSobel {
-            return self.sample_bilinear_sobel(x, y, out);
+            return self.sample_bilinear_sobel(x, y, points, out);
         }
-        for i in 0..x.len() {
+        for i in 0..points {
             let (distance, gradient) = self.at([x[i], y[i]]);
             out.distance[i] = distance;
             out.gradient_x[i] = gradient[0];
@@ -116,7 +113,8 @@ impl ImageField {
     pub fn at(&self, p: [f32; 2]) -> (f32, [f32; 2]) {
         match self.interpolation {
             Interpolation::BilinearSobel => {
-                let texel = self.bilinear(p[0], p[1]);
+                let (column, row, tx, ty) = self.locate(p[0], p[1]);
+                let texel = self.blend(row * self.stride + column, tx, ty);
                 (texel[0], [texel[1], texel[2]])
             }
             Interpolation::Bilinear => self.bilinear_exact(p),
@@ -135,14 +133,39 @@ impl ImageField {
         (column, row, u - column as f32, v - row as f32)
     }
 
+    /// The positions are located a block at a time, the texels read one point at a time.
     #[inline(always)]
-    fn bilinear(&self, x: f32, y: f32) -> [f32; 4] {
-        let (column, row, tx, ty) = self.locate(x, y);
-        let right = (column + 1).min(self.width - 1);
-        let above = (row + 1).min(self.height - 1);
-        let (low, high) = (row * self.width, above * self.width);
-        let [a, b] = [self.texels[low + column], self.texels[low + right]];
-        let [c, d] = [self.texels[high + column], self.texels[high + right]];
+    fn sample_bilinear_sobel(&self, x: &[f32], y: &[f32], points: usize, out: &mut Samples) {
+        let last = [(self.width - 1) as f32, (self.height - 1) as f32];
+        for begin in (0..points).step_by(LANES) {
+            let range = begin..begin + LANES;
+            let (x, y) = (&x[range.clone()], &y[range.clone()]);
+            let (mut index, mut tx, mut ty) = ([0usize; LANES], [0.0f32; LANES], [0.0f32; LANES]);
+            for l in 0..LANES {
+                let u = ((x[l] - self.origin[0]) * self.density).max(0.0).min(last[0]);
+                let v = ((y[l] - self.origin[1]) * self.density).max(0.0).min(last[1]);
+                let (column, row) = (u as i32, v as i32);
+                tx[l] = u - column as f32;
+                ty[l] = v - row as f32;
+                index[l] = (row * self.stride as i32 + column) as usize;
+            }
+            let distance = &mut out.distance[range.clone()];
+            let gradient_x = &mut out.gradient_x[range.clone()];
+            let gradient_y = &mut out.gradient_y[range];
+            for l in 0..LANES.min(points - begin) {
+                let texel = self.blend(index[l], tx[l], ty[l]);
+                distance[l] = texel[0];
+                gradient_x[l] = texel[1];
+                gradient_y[l] = texel[2];
+            }
+        }
+    }
+
+    /// Bilinear mix of the texel at `index` with those to the right and above.
+    #[inline(always)]
+    fn blend(&self, index: usize, tx: f32, ty: f32) -> [f32; 4] {
+        let [a, b] = [self.texels[index], self.texels[index + 1]];
+        let [c, d] = [self.texels[index + self.stride], self.texels[index + self.stride + 1]];
         let mut out = [0.0; 4];
         for k in 0..4 {
             let bottom = a[k] + tx * (b[k] - a[k]);
@@ -150,19 +173,6 @@ impl ImageField {
             out[k] = bottom + ty * (top - bottom);
         }
         out
-    }
-
-    #[inline(always)]
-    fn sample_bilinear_sobel(&self, x: &[f32], y: &[f32], out: &mut Samples) {
-        let n = x.len();
-        let (distance, gradient_x) = (&mut out.distance[..n], &mut out.gradient_x[..n]);
-        let gradient_y = &mut out.gradient_y[..n];
-        for i in 0..n {
-            let texel = self.bilinear(x[i], y[i]);
-            distance[i] = texel[0];
-            gradient_x[i] = texel[1];
-            gradient_y[i] = texel[2];
-        }
     }
 
     fn bilinear_exact(&self, p: [f32; 2]) -> (f32, [f32; 2]) {
@@ -184,7 +194,7 @@ impl ImageField {
         let (weights_y, slopes_y) = catmull_rom(ty);
         let (mut distance, mut along_x, mut along_y) = (0.0, 0.0, 0.0);
         for j in 0..4 {
-            let texel_row = (row + j).saturating_sub(1).min(self.height - 1) * self.width;
+            let texel_row = (row + j).saturating_sub(1).min(self.height - 1) * self.stride;
             let (mut value, mut slope) = (0.0, 0.0);
             for i in 0..4 {
                 let texel_column = (column + i).saturating_sub(1).min(self.width - 1);
@@ -218,6 +228,53 @@ fn catmull_rom(t: f32) -> ([f32; 4], [f32; 4]) {
     (weights, slopes)
 }
 
+/// The raster with its last column and last row once more.
+fn with_repeated_edge(texels: &[[f32; 4]], width: usize) -> Vec<[f32; 4]> {
+    let last_row = &texels[texels.len() - width..];
+    let mut out = Vec::with_capacity(texels.len() + texels.len() / width + width + 1);
+    for row in texels.chunks_exact(width).chain([last_row]) {
+        out.extend_from_slice(row);
+        out.push(row[width - 1]);
+    }
+    out
+}
+
+/// `[height + 2 x width + 2]`: cells whose centre lies in an obstacle, inside a frame of occupied ones.
+fn rasterise(world: &World, width: usize, height: usize, pixel: f64) -> Vec<bool> {
+    let stride = width + 2;
+    let origin = world.bounds().min;
+    let center = |cell: usize, axis: usize| origin[axis] + (cell as f64 + 0.5) * pixel;
+    let mut occupied = vec![false; stride * (height + 2)];
+    for obstacle in world.obstacles() {
+        let around = obstacle.bounding_box();
+        let cells = |axis: usize, count: usize| {
+            let cell = |v: f64| ((v - origin[axis]) / pixel).floor().clamp(0.0, count as f64);
+            cell(around.min[axis]) as usize..(cell(around.max[axis]) as usize + 1).min(count)
+        };
+        for j in cells(1, height) {
+            for i in cells(0, width) {
+                occupied[(j + 1) * stride + i + 1] |=
+                    obstacle.contains([center(i, 0), center(j, 1)]);
+            }
+        }
+    }
+    if let Some(grid) = world.grid() {
+        for j in 0..height {
+            for i in 0..width {
+                let (column, row) = grid.cell_of([center(i, 0), center(j, 1)]);
+                occupied[(j + 1) * stride + i + 1] |= grid.is_occupied(column, row);
+            }
+        }
+    }
+    occupied[..stride].fill(true);
+    occupied[stride * (height + 1)..].fill(true);
+    for row in occupied.chunks_exact_mut(stride) {
+        row[0] = true;
+        row[stride - 1] = true;
+    }
+    occupied
+}
+
 /// Distance transform of free cells minus that of occupied ones, in normalised units; `half` is
 /// taken off both (0.5 puts the zero level on the cells' border instead of between centres).
 fn signed_transform(
@@ -226,42 +283,39 @@ fn signed_transform(
     height: usize,
     unit: f64,
     half: f64,
-) -> Vec<f64> {
-    let to_occupied = squared_distance_transform(occupied, width, height);
+) -> Vec<f32> {
+    let to_occupied = squared_distance_transform(occupied, width);
     let free: Vec<bool> = occupied.iter().map(|&o| !o).collect();
-    let to_free = squared_distance_transform(&free, width, height);
+    let to_free = squared_distance_transform(&free, width);
     let largest = ((width * width + height * height) as f64).sqrt();
-    let length = |squared: f64| (squared.sqrt().min(largest) - half) * unit;
+    let length = |squared: f64| ((squared.sqrt().min(largest) - half) * unit) as f32;
     (0..occupied.len())
         .map(|i| if occupied[i] { -length(to_free[i]) } else { length(to_occupied[i]) })
         .collect()
 }
 
 /// Texels with Sobel gradients (divided by 8, so that a plane's gradient is exact inside the
-/// image); beyond the image the distance counts as 0, as the paper's code has it.
-fn sobel_texels(
-    width: usize,
-    height: usize,
-    unit: f64,
-    distance: impl Fn(usize, usize) -> f64,
-) -> Vec<[f32; 4]> {
-    let at = |i: i64, j: i64| {
-        let inside = (0..width as i64).contains(&i) && (0..height as i64).contains(&j);
-        if inside { distance(i as usize, j as usize) } else { 0.0 }
-    };
+/// image) of a framed raster; beyond the image the distance counts as 0, as the paper's code has it.
+fn sobel_texels(width: usize, height: usize, unit: f64, framed: &[f32]) -> Vec<[f32; 4]> {
+    let stride = width + 2;
+    let mut inner = framed.to_vec();
+    inner[..stride].fill(0.0);
+    inner[stride * (height + 1)..].fill(0.0);
+    for row in inner.chunks_exact_mut(stride) {
+        row[0] = 0.0;
+        row[stride - 1] = 0.0;
+    }
+    let per_unit = (1.0 / (8.0 * unit)) as f32;
     let mut texels = Vec::with_capacity(width * height);
-    for j in 0..height as i64 {
-        for i in 0..width as i64 {
-            let (mut along_x, mut along_y) = (0.0, 0.0);
-            for (offset, weight) in [(-1, 1.0), (0, 2.0), (1, 1.0)] {
-                along_x += weight * (at(i + 1, j + offset) - at(i - 1, j + offset));
-                along_y += weight * (at(i + offset, j + 1) - at(i + offset, j - 1));
-            }
-            let per_unit = 1.0 / (8.0 * unit);
+    for j in 1..=height {
+        let [below, row, above] = [j - 1, j, j + 1].map(|j| &inner[j * stride..(j + 1) * stride]);
+        for i in 1..=width {
+            let smooth_x = |i: usize| below[i] + 2.0 * row[i] + above[i];
+            let smooth_y = |row: &[f32]| row[i - 1] + 2.0 * row[i] + row[i + 1];
             texels.push([
-                at(i, j) as f32,
-                (along_x * per_unit) as f32,
-                (along_y * per_unit) as f32,
+                row[i],
+                (smooth_x(i + 1) - smooth_x(i - 1)) * per_unit,
+                (smooth_y(above) - smooth_y(below)) * per_unit,
                 0.0,
             ]);
         }

@@ -73,16 +73,17 @@ impl Field {
     /// normalised units.
     pub fn at(&self, p: [f32; 2]) -> (f32, [f32; 2]) {
         let mut samples = Samples::with_len(LANES);
-        self.sample(&[p[0]; LANES], &[p[1]; LANES], &mut samples);
+        self.sample(&[p[0]; LANES], &[p[1]; LANES], 1, &mut samples);
         (samples.distance[0], [samples.gradient_x[0], samples.gradient_y[0]])
     }
 
-    /// Samples all points; slices have equal length, a multiple of [`LANES`].
+    /// Samples the first `points` points; slices have equal length, a multiple of [`LANES`], and what
+    /// lies after the points is filled with any finite values.
     #[inline(always)]
-    pub(crate) fn sample(&self, x: &[f32], y: &[f32], out: &mut Samples) {
+    pub(crate) fn sample(&self, x: &[f32], y: &[f32], points: usize, out: &mut Samples) {
         match (&self.shapes, &self.image) {
             (Some(shapes), None) => shapes.sample(x, y, out),
-            (None, Some(image)) => image.sample(x, y, out),
+            (None, Some(image)) => image.sample(x, y, points, out),
             (None, None) => out.distance.fill(f32::INFINITY),
             (Some(shapes), Some(image)) => {
                 shapes.sample(x, y, out);

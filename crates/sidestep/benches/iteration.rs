@@ -1,0 +1,103 @@
+//! One optimizer iteration per task, in a batch on one core: the fast path beside its plain f64
+//! twin, objective and gradient alone and with the feasibility check.
+//!
+//! `cargo bench -p sidestep --bench iteration`
+#![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark")]
+
+use std::sync::Arc;
+
+use divan::counter::ItemsCount;
+use sidestep::objective::{Objective, Scene};
+use sidestep::objective_reference;
+use sidestep::profile::Profile;
+use sidestep::suite::Suite;
+
+fn main() {
+    divan::main();
+}
+
+const TASKS: usize = 256;
+
+struct Batch {
+    objectives: Vec<(Objective, Arc<Scene>)>,
+    x: Vec<Vec<f32>>,
+}
+
+/// Tasks half-way through gradient descent.
+fn batch(profile: &Profile) -> Batch {
+    let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
+    let mut batch = Batch { objectives: Vec::new(), x: Vec::new() };
+    for task in &tasks {
+        let scene = Arc::new(Scene::new(&task.world, task.robot, profile));
+        let mut objective = Objective::new(task, scene.clone(), 10).unwrap();
+        let mut x = vec![0.0; 20];
+        objective.straight_line(&mut x);
+        for _ in 0..20 {
+            step(&mut objective, profile, &mut x);
+        }
+        batch.objectives.push((objective, scene));
+        batch.x.push(x);
+    }
+    batch
+}
+
+fn step(objective: &mut Objective, profile: &Profile, x: &mut [f32]) {
+    let mut gradient = [0.0; 20];
+    objective.cost_and_gradient(x, &mut gradient);
+    x.iter_mut().zip(&gradient).for_each(|(x, g)| *x -= profile.gradient_step as f32 * g);
+}
+
+fn profile(name: &str) -> Profile {
+    Profile::named(name).unwrap()
+}
+
+#[divan::bench(args = Profile::NAMES)]
+fn gradient_descent(bencher: divan::Bencher, name: &str) {
+    let profile = profile(name);
+    let mut batch = batch(&profile);
+    bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
+        for ((objective, _), x) in batch.objectives.iter_mut().zip(&mut batch.x) {
+            step(objective, &profile, x);
+        }
+    });
+}
+
+#[divan::bench(args = Profile::NAMES)]
+fn gradient_descent_with_check(bencher: divan::Bencher, name: &str) {
+    let profile = profile(name);
+    let mut batch = batch(&profile);
+    bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
+        let mut feasible = 0;
+        for ((objective, _), x) in batch.objectives.iter_mut().zip(&mut batch.x) {
+            step(objective, &profile, x);
+            feasible += usize::from(objective.is_feasible(x));
+        }
+        feasible
+    });
+}
+
+#[divan::bench(args = Profile::NAMES)]
+fn reference(bencher: divan::Bencher, name: &str) {
+    let profile = profile(name);
+    let batch = batch(&profile);
+    bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
+        let mut total = 0.0;
+        for ((objective, scene), x) in batch.objectives.iter().zip(&batch.x) {
+            let (start, goal) = (objective.start(), objective.goal());
+            let field = scene.field();
+            total += objective_reference::cost_and_gradient(field, &profile, start, goal, x).0;
+        }
+        total
+    });
+}
+
+#[divan::bench(args = Profile::NAMES)]
+fn prepare_scene(bencher: divan::Bencher, name: &str) {
+    let profile = profile(name);
+    let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
+    bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
+        for task in &tasks {
+            divan::black_box(Scene::new(&task.world, task.robot, &profile));
+        }
+    });
+}
