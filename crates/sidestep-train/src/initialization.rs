@@ -92,7 +92,7 @@ fn orthogonal(inputs: usize, outputs: usize, gain: f64, rng: &mut ChaCha8Rng) ->
     let (count, length) = (inputs.min(outputs), inputs.max(outputs));
     let mut vectors: Vec<Vec<f64>> = Vec::with_capacity(count);
     while vectors.len() < count {
-        let mut vector: Vec<f64> = (0..length.next_multiple_of(2) / 2)
+        let mut vector: Vec<f64> = (0..length.div_ceil(2))
             .flat_map(|_| standard_normal(rng))
             .take(length)
             .map(f64::from)

@@ -2,6 +2,7 @@
 //! PPO updates with every gradient, Adam, Adadelta and cloning.
 //!
 //! This code computes in f32: values agree to 2e-6 of their size plus 2e-6, and parameters after a step to 2e-7.
+#![allow(clippy::unwrap_used, reason = "helpers of tests; a malformed golden file is a failure")]
 
 use serde_json::Value;
 use sidestep::network::{Mlp, Scratch};
