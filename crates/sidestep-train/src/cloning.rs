@@ -96,7 +96,7 @@ pub fn draw_samples(
             let (mut x, mut gradient, mut seen) = (vec![0.0; dim], vec![0.0; dim], vec![0.0; wide]);
             for sample in 0..config.samples_per_task {
                 let mut rng = stream(seed, Purpose::Imitation, task as u64, sample as u64);
-                strategy.draw(&problem.objective, problem.bounds, &mut rng, &mut x);
+                strategy.draw(&problem.objective, &mut rng, &mut x);
                 problem.encoder.reset();
                 problem.observe(&x, &mut gradient, &mut seen);
                 samples.observations.extend_from_slice(&seen);

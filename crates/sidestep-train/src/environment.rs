@@ -19,17 +19,13 @@ use sidestep::rng::{Purpose, stream};
 use sidestep::{InvalidInput, Task};
 use std::sync::Arc;
 
-/// A task made ready: its objective, its encoder and the extent of its field.
+/// A task made ready: its objective and its encoder.
 #[derive(Debug, Clone)]
 pub struct Problem {
     /// U, its gradient and the feasibility check.
     pub objective: Objective,
     /// The observation of this task.
     pub encoder: Encoder,
-    /// Extent of the bounds in normalised units.
-    pub field: [f32; 2],
-    /// The bounds themselves, in task units.
-    pub bounds: sidestep::geometry::Rect,
 }
 
 impl Problem {
@@ -46,10 +42,7 @@ impl Problem {
         let scene = Arc::new(Scene::new(&task.world, task.robot, profile));
         let objective = Objective::new(task, scene, waypoints)?;
         let encoder = Encoder::new(parts, &objective, &task.world)?;
-        let bounds = task.world.bounds();
-        let scale = objective.scene().frame().scale;
-        let field = bounds.size().map(|side| (side / scale) as f32);
-        Ok(Self { objective, encoder, field, bounds })
+        Ok(Self { objective, encoder })
     }
 
     /// U at `x [N x 2]`, with `gradient [N x 2]` and `observation` written.
@@ -154,7 +147,8 @@ impl Environment {
 
     /// Applies `action [N x 2]`. After an outcome that is `done`, call [`Environment::reset`].
     pub fn step(&mut self, action: &[f32], rules: &Rules) -> Outcome {
-        rules.action.apply(action, self.problem.field, &mut self.x);
+        let field = self.problem.objective.scene().field_size();
+        rules.action.apply(action, field, &mut self.x);
         self.age += 1;
         let cost = self.problem.observe(&self.x, &mut self.gradient, &mut self.observation);
         let solved = self.problem.objective.is_feasible(&self.x);
