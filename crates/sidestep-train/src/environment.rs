@@ -1,0 +1,220 @@
+//! Trajectory optimisation as a partially observable decision process (paper, section I.B).
+//!
+//! - state: the waypoints of a trajectory of one task; it begins as the straight line;
+//! - observation: what the core's [`Encoder`] writes, in the paper the gradient of U;
+//! - action: an update of the waypoints, clipped and applied by the core's [`ActionRule`];
+//! - reward: -U of the new trajectory, or -mu U if that is feasible;
+//! - end: at the first feasible step. There is no time limit unless one is set: what is not solved goes on
+//!   over the next update. A time limit *truncates*: the value of the last observation stands in for the rest.
+//!
+//! An environment takes the tasks of the set in turn: number e of E has tasks e, e + E, .. modulo their number, so with as
+//! many environments as tasks (the paper: 100 each) it keeps one. The noise of its actions comes from its own stream.
+
+use rand_chacha::ChaCha8Rng;
+use sidestep::objective::{Cost, Objective, Scene};
+use sidestep::observation::{Encoder, ObservationPart};
+use sidestep::policy::ActionRule;
+use sidestep::profile::Profile;
+use sidestep::rng::{Purpose, stream};
+use sidestep::{InvalidInput, Task};
+use std::sync::Arc;
+
+/// A task made ready: its objective and its encoder.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    /// U, its gradient and the feasibility check.
+    pub objective: Objective,
+    /// The observation of this task.
+    pub encoder: Encoder,
+}
+
+impl Problem {
+    /// Prepares `task` for trajectories of `waypoints` free points.
+    ///
+    /// # Errors
+    /// If the observation does not fit the task, or the number of waypoints is out of range.
+    pub fn new(
+        task: &Task,
+        profile: &Profile,
+        waypoints: usize,
+        parts: &[ObservationPart],
+    ) -> Result<Self, InvalidInput> {
+        let scene = Arc::new(Scene::new(&task.world, task.robot, profile));
+        let objective = Objective::new(task, scene, waypoints)?;
+        let encoder = Encoder::new(parts, &objective, &task.world)?;
+        Ok(Self { objective, encoder })
+    }
+
+    /// U at `x [N x 2]`, with `gradient [N x 2]` and `observation` written.
+    pub fn observe(&mut self, x: &[f32], gradient: &mut [f32], observation: &mut [f32]) -> Cost {
+        let cost = self.objective.cost_and_gradient(x, gradient);
+        self.encoder.encode(&self.objective, x, gradient, observation);
+        cost
+    }
+}
+
+/// What the process rewards and allows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rules {
+    /// From action to update.
+    pub action: ActionRule,
+    /// Factor mu on the reward of a feasible step.
+    pub mu: f32,
+    /// Steps after which an episode is cut off; `None` for never.
+    pub episode_limit: Option<u32>,
+}
+
+/// What one step led to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// The reward.
+    pub reward: f32,
+    /// Whether the new trajectory is feasible, which ends the episode.
+    pub solved: bool,
+    /// Whether the time limit ends it instead.
+    pub truncated: bool,
+    /// Steps of the episode so far.
+    pub age: u32,
+}
+
+impl Outcome {
+    /// Whether the episode has ended.
+    pub fn done(&self) -> bool {
+        self.solved || self.truncated
+    }
+}
+
+/// One environment with its episode.
+#[derive(Debug, Clone)]
+pub struct Environment {
+    index: usize,
+    task: usize,
+    problem: Problem,
+    x: Vec<f32>,
+    gradient: Vec<f32>,
+    observation: Vec<f32>,
+    age: u32,
+    /// Noise of its actions.
+    pub rng: ChaCha8Rng,
+}
+
+/// An environment's state in a checkpoint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Saved {
+    /// Index of its task in the training set.
+    pub task: usize,
+    /// Steps of its episode so far.
+    pub age: u32,
+    /// Position in its stream, in words.
+    pub stream_position: u128,
+    /// The waypoints, `[N x 2]`.
+    pub x: Vec<f32>,
+    /// The observation there.
+    pub observation: Vec<f32>,
+    /// What the encoder remembers.
+    pub memory: Vec<f32>,
+}
+
+impl Environment {
+    /// Environment `index`, at the start of its first episode.
+    pub fn new(index: usize, problems: &[Problem], seed: u64) -> Self {
+        let task = index % problems.len();
+        let problem = problems[task].clone();
+        let dim = problem.objective.dim();
+        let mut environment = Self {
+            index,
+            task,
+            x: vec![0.0; dim],
+            gradient: vec![0.0; dim],
+            observation: vec![0.0; problem.encoder.len(&problem.objective)],
+            age: 0,
+            rng: stream(seed, Purpose::Environment, index as u64, 0),
+            problem,
+        };
+        environment.begin();
+        environment
+    }
+
+    /// What the policy sees now.
+    pub fn observation(&self) -> &[f32] {
+        &self.observation
+    }
+
+    /// The waypoints now, `[N x 2]`, normalised units.
+    pub fn waypoints(&self) -> &[f32] {
+        &self.x
+    }
+
+    /// Applies `action [N x 2]`. After an outcome that is `done`, call [`Environment::reset`].
+    pub fn step(&mut self, action: &[f32], rules: &Rules) -> Outcome {
+        let field = self.problem.objective.scene().field_size();
+        rules.action.apply(action, field, &mut self.x);
+        self.age += 1;
+        let cost = self.problem.observe(&self.x, &mut self.gradient, &mut self.observation);
+        let solved = self.problem.objective.is_feasible(&self.x);
+        let factor = if solved { rules.mu } else { 1.0 };
+        let truncated = !solved && rules.episode_limit.is_some_and(|limit| self.age >= limit);
+        Outcome { reward: -factor * cost.total, solved, truncated, age: self.age }
+    }
+
+    /// Begins the next episode, on the next of its tasks out of `problems`, with `count` environments in all.
+    pub fn reset(&mut self, problems: &[Problem], count: usize) {
+        let next = (self.task + count) % problems.len();
+        if next != self.task {
+            self.task = next;
+            self.problem.clone_from(&problems[next]);
+        }
+        self.begin();
+    }
+
+    fn begin(&mut self) {
+        self.age = 0;
+        self.problem.objective.straight_line(&mut self.x);
+        self.problem.encoder.reset();
+        self.problem.observe(&self.x, &mut self.gradient, &mut self.observation);
+    }
+
+    /// The state for a checkpoint.
+    pub fn save(&self) -> Saved {
+        Saved {
+            task: self.task,
+            age: self.age,
+            stream_position: self.rng.get_word_pos(),
+            x: self.x.clone(),
+            observation: self.observation.clone(),
+            memory: self.problem.encoder.memory().to_vec(),
+        }
+    }
+
+    /// Puts a saved state back into an environment of the same index, seed and problems.
+    ///
+    /// # Errors
+    /// If a task or a length does not fit.
+    pub fn restore(&mut self, saved: Saved, problems: &[Problem]) -> Result<(), InvalidInput> {
+        let refuse = |what: &str, found: usize, allowed: String| {
+            let field = format!("checkpoint.environments[{}].{what}", self.index);
+            Err(InvalidInput::new(field, found, allowed))
+        };
+        let Some(problem) = problems.get(saved.task) else {
+            return refuse("task", saved.task, format!("a number below {}", problems.len()));
+        };
+        let lengths = [
+            ("waypoints", saved.x.len(), self.x.len()),
+            ("observation", saved.observation.len(), self.observation.len()),
+            ("memory", saved.memory.len(), problem.encoder.memory().len()),
+        ];
+        for (what, found, expected) in lengths {
+            if found != expected {
+                return refuse(what, found, format!("{expected} numbers"));
+            }
+        }
+        self.problem.clone_from(problem);
+        self.problem.encoder.restore(&saved.memory);
+        self.rng.set_word_pos(saved.stream_position);
+        self.task = saved.task;
+        self.age = saved.age;
+        self.x = saved.x;
+        self.observation = saved.observation;
+        Ok(())
+    }
+}

@@ -1,0 +1,186 @@
+//! Initial parameters of policy and value networks. Biases are zero throughout.
+//!
+//! The paper says "weights are initialized with identity matrix" (section II.B); its published code meant
+//! that but reached only the middle layer of the policy. Orthogonal initialisation with these gains is
+//! detail 2 of Huang et al., "The 37 Implementation Details of PPO" (ICLR blog track 2022).
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+use sidestep::InvalidInput;
+use sidestep::network::Mlp;
+
+use crate::gaussian::standard_normal;
+
+/// How weights begin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Initialization {
+    /// Every weight matrix is a rectangular identity: 1 where row = column, else 0 (the paper's text).
+    #[default]
+    Identity,
+    /// As the paper's code ran: identity in the policy's middle layer only, and
+    /// elsewhere PyTorch's default, uniform in +-1/sqrt(inputs).
+    Original,
+    /// Orthogonal rows or columns, gain sqrt(2) in hidden layers, 0.01 at the policy's head, 1 at the value's.
+    Orthogonal,
+}
+
+/// What a network is for; some initialisations treat the two differently.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// From observation to update.
+    Policy,
+    /// From observation to expected return.
+    Value,
+}
+
+impl Initialization {
+    /// A new network of these sizes; draws from `rng` only where the initialisation is random.
+    ///
+    /// # Errors
+    /// If [`Mlp::new`] refuses the sizes.
+    pub fn network(
+        self,
+        sizes: &[usize],
+        role: Role,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<Mlp, InvalidInput> {
+        let mut parameters = Vec::with_capacity(Mlp::parameter_count(sizes)?);
+        let layers = sizes.len() - 1;
+        for (layer, pair) in sizes.windows(2).enumerate() {
+            let (inputs, outputs) = (pair[0], pair[1]);
+            let last = layer + 1 == layers;
+            let weights = match self {
+                Self::Identity => identity(inputs, outputs),
+                Self::Original if role == Role::Policy && layer > 0 && !last => {
+                    identity(inputs, outputs)
+                }
+                Self::Original => uniform(inputs, outputs, rng),
+                Self::Orthogonal => {
+                    let gain = match (last, role) {
+                        (false, _) => std::f64::consts::SQRT_2,
+                        (true, Role::Policy) => 0.01,
+                        (true, Role::Value) => 1.0,
+                    };
+                    orthogonal(inputs, outputs, gain, rng)
+                }
+            };
+            parameters.extend(weights);
+            parameters.extend(std::iter::repeat_n(0.0, outputs));
+        }
+        Mlp::new(sizes, parameters)
+    }
+}
+
+/// `[outputs x inputs]`, 1 on the diagonal.
+fn identity(inputs: usize, outputs: usize) -> Vec<f32> {
+    let entry = |index: usize| if index / inputs == index % inputs { 1.0 } else { 0.0 };
+    (0..inputs * outputs).map(entry).collect()
+}
+
+/// `[outputs x inputs]`, uniform in +-1/sqrt(inputs).
+fn uniform(inputs: usize, outputs: usize, rng: &mut ChaCha8Rng) -> Vec<f32> {
+    let bound = 1.0 / (inputs as f32).sqrt();
+    (0..inputs * outputs).map(|_| bound * (2.0 * rng.random::<f32>() - 1.0)).collect()
+}
+
+/// `[outputs x inputs]` with orthonormal rows (or columns, if there are more rows) times `gain`: a
+/// Gaussian matrix orthonormalised by modified Gram-Schmidt in f64, done twice, which is enough
+/// (Giraud et al. 2005). Its distribution is that of QR with positive diagonal.
+fn orthogonal(inputs: usize, outputs: usize, gain: f64, rng: &mut ChaCha8Rng) -> Vec<f32> {
+    let (count, length) = (inputs.min(outputs), inputs.max(outputs));
+    let mut vectors: Vec<Vec<f64>> = Vec::with_capacity(count);
+    while vectors.len() < count {
+        let mut vector: Vec<f64> = (0..length.div_ceil(2))
+            .flat_map(|_| standard_normal(rng))
+            .take(length)
+            .map(f64::from)
+            .collect();
+        for _ in 0..2 {
+            for earlier in &vectors {
+                let along: f64 = earlier.iter().zip(&vector).map(|(a, b)| a * b).sum();
+                vector.iter_mut().zip(earlier).for_each(|(v, e)| *v -= along * e);
+            }
+        }
+        let norm = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
+        // A draw in the span of the earlier ones has probability 0; draw again rather than divide by 0.
+        if norm > 1e-6 {
+            vector.iter_mut().for_each(|v| *v /= norm);
+            vectors.push(vector);
+        }
+    }
+    let entry = |row: usize, column: usize| {
+        let value = if outputs <= inputs { vectors[row][column] } else { vectors[column][row] };
+        (gain * value) as f32
+    };
+    (0..outputs)
+        .flat_map(|row| (0..inputs).map(move |column| (row, column)))
+        .map(|(r, c)| entry(r, c))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sidestep::rng::{Purpose, stream};
+
+    fn weights(init: Initialization, role: Role, sizes: &[usize], layer: usize) -> Vec<f32> {
+        let mlp = init.network(sizes, role, &mut stream(1, Purpose::Parameters, 0, 0)).unwrap();
+        let ranges: Vec<_> = mlp.layer_ranges().collect();
+        assert!(ranges.iter().all(|(_, b)| mlp.parameters()[b.clone()].iter().all(|&x| x == 0.0)));
+        mlp.parameters()[ranges[layer].0.clone()].to_vec()
+    }
+
+    #[test]
+    fn identity_is_rectangular() {
+        let eye = weights(Initialization::Identity, Role::Policy, &[2, 3, 2], 0);
+        assert_eq!(eye, [1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn original_reaches_the_middle_policy_layer_only() {
+        let sizes = [4, 3, 3, 2];
+        let eye = identity(3, 3);
+        let check = |role, layer, is_eye: bool| {
+            let found = weights(Initialization::Original, role, &sizes, layer);
+            assert_eq!(found == eye, is_eye);
+            let bound = 1.0 / (sizes[layer] as f32).sqrt();
+            assert!(is_eye || found.iter().all(|w| w.abs() <= bound && *w != 0.0));
+        };
+        check(Role::Policy, 0, false);
+        check(Role::Policy, 1, true);
+        check(Role::Policy, 2, false);
+        check(Role::Value, 1, false);
+    }
+
+    #[test]
+    fn orthogonal_rows_or_columns() {
+        let check = |role, sizes: &[usize], layer: usize, gain: f32| {
+            let (inputs, outputs) = (sizes[layer], sizes[layer + 1]);
+            let w = weights(Initialization::Orthogonal, role, sizes, layer);
+            let at = |r: usize, c: usize| w[r * inputs + c];
+            let (count, length) = (inputs.min(outputs), inputs.max(outputs));
+            for i in 0..count {
+                for j in 0..count {
+                    let dot: f32 = (0..length)
+                        .map(|k| {
+                            if outputs <= inputs {
+                                at(i, k) * at(j, k)
+                            } else {
+                                at(k, i) * at(k, j)
+                            }
+                        })
+                        .sum();
+                    let expected = if i == j { gain * gain } else { 0.0 };
+                    assert!((dot - expected).abs() <= 1e-6 * (1.0 + expected), "{dot} {expected}");
+                }
+            }
+        };
+        let (hidden, sizes) = (2.0_f32.sqrt(), [5, 8, 8, 3]);
+        check(Role::Policy, &sizes, 0, hidden);
+        check(Role::Policy, &sizes, 1, hidden);
+        check(Role::Policy, &sizes, 2, 0.01);
+        check(Role::Value, &sizes, 2, 1.0);
+    }
+}

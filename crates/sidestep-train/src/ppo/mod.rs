@@ -1,0 +1,128 @@
+//! Proximal policy optimisation (Schulman et al. 2017, arXiv:1707.06347), top to bottom.
+//!
+//! ```text
+//! ratio  = pi(a|s) / pi_old(a|s)
+//! loss   = -mean(min(ratio A, clip(ratio, 1 - c, 1 + c) A)) + c_v mean((v - return)^2) - c_e mean(entropy)
+//! ```
+//!
+//! The details that decide whether it works, numbered as in Huang et al., "The 37 Implementation Details of Proximal Policy
+//! Optimization" (ICLR blog track 2022; 1-13 of all PPO, c1-c9 of continuous actions), with the choices of the paper's code (Stable-Baselines3):
+//!
+//! 1. Environments run side by side and go on over updates ([`collect()`]).
+//! 2. Initialisation: see [`crate::initialization`].
+//! 3. Adam's epsilon is 1e-5 ([`crate::optimizer`]).
+//! 4. Learning rate constant, or falling to 0 over the training ([`Schedule`]).
+//! 5. Generalised advantages; returns are advantage + value ([`crate::advantage`]).
+//! 6. Minibatches are a new shuffle of all steps in each epoch; the last one may be short.
+//! 7. Advantages are normalised per minibatch, with n - 1 in the variance.
+//! 8. The clipped surrogate; the gradient is 0 where the clip decides.
+//! 9. No clipping of the value loss (left out in Stable-Baselines3 too; Huang et al. find no gain).
+//! 10. The loss has a value coefficient and an entropy coefficient; squared error without the factor 1/2.
+//! 11. The norm of the whole gradient (policy, value, log-std together) is clipped.
+//! 12. Diagnostics: approximate KL as mean((ratio - 1) - ln ratio), clip fraction, explained variance.
+//! 13. Policy and value share no layer (also c4).
+//!
+//! c1-c3: a diagonal Gaussian with a free log-std ([`crate::gaussian`]). c5: the update is clipped on its way into
+//! the trajectory, while the unclipped action and its probability are kept. c6-c9: observations and rewards are not normalised
+//! (paper). Beyond the 37: an optional stop at a target KL (Stable-Baselines3: 1.5 times the target, checked before each step).
+
+mod loss;
+mod rollout;
+mod settings;
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+use sidestep::kernels::squared_norm;
+
+use crate::agent::{Agent, Gradient};
+use crate::gaussian;
+use crate::optimizer::Optimizer;
+
+pub use loss::{Losses, Minibatch, loss_and_gradient};
+pub use rollout::{Rollout, collect};
+pub use settings::{PpoConfig, Schedule};
+
+/// What an update saw and did.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct UpdateMetrics {
+    /// Mean reward of a step.
+    pub mean_reward: f64,
+    /// Episodes that ended.
+    pub episodes: usize,
+    /// Those that ended solved.
+    pub solved: usize,
+    /// Their mean number of steps.
+    pub episode_length: f64,
+    /// Means over all minibatches: the clipped surrogate's loss.
+    pub policy_loss: f64,
+    /// The value loss, before its coefficient.
+    pub value_loss: f64,
+    /// The policy's entropy after the update.
+    pub entropy: f64,
+    /// Approximate KL from the old policy.
+    pub approx_kl: f64,
+    /// Share of the steps whose ratio was outside the clip range.
+    pub clip_fraction: f64,
+    /// Norm of the gradient before clipping.
+    pub gradient_norm: f64,
+    /// 1 - var(return - value) / var(return), with the values before the update.
+    pub explained_variance: f64,
+    /// Learning rate used.
+    pub learning_rate: f64,
+    /// Optimizer steps made; fewer than planned where the target KL ended the update.
+    pub minibatches: usize,
+}
+
+/// Factor that brings a gradient of this norm within the limit.
+pub fn clip_factor(norm: f32, limit: f32) -> f32 {
+    (limit / (norm + 1e-6)).min(1.0)
+}
+
+/// `config.epochs` passes of optimizer steps over what [`collect`] gathered.
+pub fn update(
+    agent: &mut Agent,
+    optimizer: &mut Optimizer,
+    rollouts: &[Rollout],
+    config: &PpoConfig,
+    learning_rate: f64,
+    shuffle: &mut ChaCha8Rng,
+) -> UpdateMetrics {
+    let mut metrics = UpdateMetrics { learning_rate, ..rollout::summary(rollouts) };
+    let (mut batch, mut gradient) = (Minibatch::default(), Gradient::default());
+    let mut order: Vec<u32> = (0..(rollouts.len() * config.steps) as u32).collect();
+    'epochs: for _ in 0..config.epochs {
+        shuffle_in_place(&mut order, shuffle);
+        for rows in order.chunks(config.minibatch) {
+            rollout::gather(&mut batch, rollouts, config.steps, rows, agent);
+            let losses = loss_and_gradient(agent, &batch, config, &mut gradient);
+            if config.target_kl.is_some_and(|target| losses.approx_kl > 1.5 * target) {
+                break 'epochs;
+            }
+            let norm = squared_norm(gradient.values()).sqrt();
+            let scale = clip_factor(norm, config.max_gradient_norm);
+            agent.step(optimizer, learning_rate, scale, gradient.values());
+            metrics.minibatches += 1;
+            metrics.policy_loss += losses.policy;
+            metrics.value_loss += losses.value;
+            metrics.approx_kl += losses.approx_kl;
+            metrics.clip_fraction += losses.clip_fraction;
+            metrics.gradient_norm += f64::from(norm);
+        }
+    }
+    let count = metrics.minibatches.max(1) as f64;
+    metrics.policy_loss /= count;
+    metrics.value_loss /= count;
+    metrics.approx_kl /= count;
+    metrics.clip_fraction /= count;
+    metrics.gradient_norm /= count;
+    metrics.entropy = f64::from(gaussian::entropy(&agent.log_std));
+    metrics
+}
+
+/// Fisher-Yates.
+pub fn shuffle_in_place(order: &mut [u32], rng: &mut ChaCha8Rng) {
+    for last in (1..order.len()).rev() {
+        order.swap(last, rng.random_range(0..=last as u32) as usize);
+    }
+}

@@ -1,0 +1,154 @@
+//! Collecting experience: every environment takes the same number of steps under the current policy.
+
+use rayon::prelude::*;
+use sidestep::network::Scratch;
+
+use super::loss::Minibatch;
+use super::{PpoConfig, UpdateMetrics};
+use crate::advantage::{Steps, generalised_advantages};
+use crate::agent::Agent;
+use crate::environment::{Environment, Problem, Rules};
+use crate::gaussian;
+
+/// One environment's steps of one update; each slice has one entry (or row) per step, in order.
+#[derive(Debug, Clone, Default)]
+pub struct Rollout {
+    observations: Vec<f32>,
+    actions: Vec<f32>,
+    log_probs: Vec<f32>,
+    values: Vec<f32>,
+    rewards: Vec<f32>,
+    dones: Vec<bool>,
+    advantages: Vec<f32>,
+    returns: Vec<f32>,
+    /// Of each episode that ended: its steps, and whether it was solved.
+    episodes: Vec<(u32, bool)>,
+}
+
+/// Environments that one thread runs together; the results do not depend on it.
+const TOGETHER: usize = 25;
+
+/// Runs every environment for `config.steps` steps, and estimates advantages and returns.
+pub fn collect(
+    agent: &Agent,
+    environments: &mut [Environment],
+    problems: &[Problem],
+    rules: &Rules,
+    config: &PpoConfig,
+    rollouts: &mut Vec<Rollout>,
+) {
+    let count = environments.len();
+    rollouts.resize_with(count, Rollout::default);
+    let groups = environments.par_chunks_mut(TOGETHER).zip(rollouts.par_chunks_mut(TOGETHER));
+    groups.for_each(|(environments, rollouts)| {
+        let (mut policy, mut value, mut alone) = <(Scratch, Scratch, Scratch)>::default();
+        let mut observations = Vec::new();
+        let mut action = vec![0.0; agent.actions()];
+        rollouts.iter_mut().for_each(Rollout::clear);
+        for _ in 0..config.steps {
+            observations.clear();
+            environments.iter().for_each(|env| observations.extend_from_slice(env.observation()));
+            agent.policy.forward_batch(&observations, &mut policy);
+            agent.value.forward_batch(&observations, &mut value);
+            for (row, (env, rollout)) in environments.iter_mut().zip(&mut *rollouts).enumerate() {
+                let mean = policy.output(row);
+                gaussian::sample(mean, &agent.log_std, &mut env.rng, &mut action);
+                rollout.observations.extend_from_slice(env.observation());
+                rollout.actions.extend_from_slice(&action);
+                rollout.log_probs.push(gaussian::log_prob(&action, mean, &agent.log_std));
+                rollout.values.push(value.output(row)[0]);
+                let outcome = env.step(&action, rules);
+                let mut reward = outcome.reward;
+                if outcome.truncated {
+                    // The rest of an episode that was cut off is worth what the value network says.
+                    agent.value.forward_batch(env.observation(), &mut alone);
+                    reward += config.gamma * alone.output(0)[0];
+                }
+                rollout.rewards.push(reward);
+                rollout.dones.push(outcome.done());
+                if outcome.done() {
+                    rollout.episodes.push((outcome.age, outcome.solved));
+                    env.reset(problems, count);
+                }
+            }
+        }
+        for (env, rollout) in environments.iter().zip(rollouts) {
+            agent.value.forward_batch(env.observation(), &mut alone);
+            rollout.estimate(alone.output(0)[0], config);
+        }
+    });
+}
+
+impl Rollout {
+    fn clear(&mut self) {
+        for buffer in [
+            &mut self.observations,
+            &mut self.actions,
+            &mut self.log_probs,
+            &mut self.values,
+            &mut self.rewards,
+        ] {
+            buffer.clear();
+        }
+        self.dones.clear();
+        self.episodes.clear();
+    }
+
+    fn estimate(&mut self, last_value: f32, config: &PpoConfig) {
+        self.advantages.resize(self.rewards.len(), 0.0);
+        self.returns.resize(self.rewards.len(), 0.0);
+        let (rewards, values, dones) = (&self.rewards, &self.values, &self.dones);
+        let steps = Steps { rewards, values, dones, last_value };
+        let (advantages, returns) = (&mut self.advantages, &mut self.returns);
+        generalised_advantages(steps, config.gamma, config.lambda, advantages, returns);
+    }
+}
+
+/// Fills `batch` with the given steps: number r is step r mod `steps` of environment r / `steps`.
+pub(super) fn gather(
+    batch: &mut Minibatch,
+    rollouts: &[Rollout],
+    steps: usize,
+    rows: &[u32],
+    agent: &Agent,
+) {
+    let (wide, acts) = (agent.observations(), agent.actions());
+    let Minibatch { observations, actions, old_log_probs, advantages, returns } = batch;
+    for buffer in
+        [&mut *observations, &mut *actions, &mut *old_log_probs, &mut *advantages, &mut *returns]
+    {
+        buffer.clear();
+    }
+    for &row in rows {
+        let (rollout, t) = (&rollouts[row as usize / steps], row as usize % steps);
+        observations.extend_from_slice(&rollout.observations[t * wide..][..wide]);
+        actions.extend_from_slice(&rollout.actions[t * acts..][..acts]);
+        old_log_probs.push(rollout.log_probs[t]);
+        advantages.push(rollout.advantages[t]);
+        returns.push(rollout.returns[t]);
+    }
+}
+
+/// The part of the metrics that the experience alone decides.
+pub(super) fn summary(rollouts: &[Rollout]) -> UpdateMetrics {
+    let all = |pick: fn(&Rollout) -> &Vec<f32>| {
+        rollouts.iter().flat_map(pick).map(|&value| f64::from(value)).collect::<Vec<f64>>()
+    };
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let variance = |values: &[f64]| {
+        let centre = mean(values);
+        mean(&values.iter().map(|value| (value - centre).powi(2)).collect::<Vec<f64>>())
+    };
+    let returns = all(|rollout| &rollout.returns);
+    let errors = all(|rollout| &rollout.advantages);
+    let episodes: Vec<(u32, bool)> = rollouts.iter().flat_map(|r| r.episodes.clone()).collect();
+    let lengths: Vec<f64> = episodes.iter().map(|&(length, _)| f64::from(length)).collect();
+    UpdateMetrics {
+        mean_reward: mean(&all(|rollout| &rollout.rewards)),
+        episodes: episodes.len(),
+        solved: episodes.iter().filter(|(_, solved)| *solved).count(),
+        episode_length: mean(&lengths),
+        explained_variance: 1.0 - variance(&errors) / variance(&returns).max(f64::MIN_POSITIVE),
+        ..UpdateMetrics::default()
+    }
+}

@@ -1,0 +1,85 @@
+//! Settings of PPO; the defaults are the paper's.
+
+use serde::{Deserialize, Serialize};
+
+/// How the learning rate falls over the training.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Schedule {
+    /// Not at all.
+    #[default]
+    Constant,
+    /// lr (1 - progress).
+    Linear,
+    /// lr (1 + cos(pi progress)) / 2.
+    Cosine,
+}
+
+impl Schedule {
+    /// Factor on the learning rate at `progress` in [0, 1].
+    pub fn factor(self, progress: f64) -> f64 {
+        match self {
+            Self::Constant => 1.0,
+            Self::Linear => 1.0 - progress,
+            Self::Cosine => 0.5 * (1.0 + (std::f64::consts::PI * progress).cos()),
+        }
+    }
+}
+
+/// Settings of PPO. The defaults are the paper's.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PpoConfig {
+    /// Environments side by side.
+    pub environments: usize,
+    /// Steps of each environment per update (the paper's buffer).
+    pub steps: usize,
+    /// Discount gamma.
+    pub gamma: f32,
+    /// Lambda of the advantage estimate.
+    pub lambda: f32,
+    /// Learning rate at the start.
+    pub learning_rate: f64,
+    /// How it falls.
+    pub schedule: Schedule,
+    /// Steps per minibatch.
+    pub minibatch: usize,
+    /// Passes over the steps of an update.
+    pub epochs: usize,
+    /// Coefficient c_e of the entropy.
+    pub entropy: f32,
+    /// Coefficient c_v of the value loss.
+    pub value: f32,
+    /// Largest norm of the gradient.
+    pub max_gradient_norm: f32,
+    /// Clip range c of the ratio.
+    pub clip: f32,
+    /// Whether advantages are normalised per minibatch.
+    pub normalise_advantages: bool,
+    /// An update ends when the approximate KL exceeds 1.5 times this; `None` for never.
+    pub target_kl: Option<f64>,
+    /// Log-std of the actions at the start.
+    pub initial_log_std: f32,
+}
+
+impl Default for PpoConfig {
+    fn default() -> Self {
+        Self {
+            environments: 100,
+            steps: 40,
+            gamma: 1.0,
+            lambda: 0.95,
+            learning_rate: 3e-4,
+            schedule: Schedule::Constant,
+            minibatch: 64,
+            epochs: 10,
+            entropy: 0.0,
+            value: 0.5,
+            max_gradient_norm: 0.5,
+            clip: 0.2,
+            normalise_advantages: true,
+            target_kl: None,
+            initial_log_std: 0.0,
+        }
+    }
+}
