@@ -7,11 +7,14 @@
 pub mod advantage;
 pub mod agent;
 pub mod cloning;
+pub mod config;
 pub mod environment;
 pub mod gaussian;
 pub mod initialization;
 pub mod optimizer;
 pub mod ppo;
+pub mod validation;
 
 pub use agent::Agent;
+pub use config::TrainConfig;
 pub use initialization::Initialization;
