@@ -120,7 +120,7 @@ impl Default for TrainingConfig {
 
 impl Default for NetworkConfig {
     fn default() -> Self {
-        Self { hidden: 64, initialization: Initialization::Identity }
+        Self { hidden: 64, initialization: Initialization::default() }
     }
 }
 
