@@ -149,7 +149,7 @@ impl Gradient {
         &mut self.total
     }
 
-    /// Runs `chunk(rows, worker)` for chunks of `0..rows` and adds up their gradients and sums in order.
+    /// Runs `chunk(rows, worker)` for chunks of `0..rows`, `rows > 0`, and adds up their gradients and sums in order.
     pub fn accumulate(
         &mut self,
         agent: &Agent,
@@ -159,8 +159,6 @@ impl Gradient {
         let parameters = agent.parameter_count();
         let chunks = rows.div_ceil(CHUNK);
         self.workers.resize_with(WAVE.min(chunks).max(self.workers.len()), Worker::default);
-        self.total.clear();
-        self.total.resize(parameters, 0.0);
         let mut sums = Sums::default();
         let run = |index: usize, worker: &mut Worker| {
             worker.gradient.clear();
@@ -176,9 +174,13 @@ impl Gradient {
             } else {
                 wave.par_iter_mut().enumerate().for_each(|(i, worker)| run(first + i, worker));
             }
-            for worker in wave {
-                self.total.iter_mut().zip(&worker.gradient).for_each(|(t, g)| *t += g);
+            for (index, worker) in wave.iter_mut().enumerate() {
                 sums.iter_mut().zip(worker.sums).for_each(|(t, s)| *t += s);
+                if first + index == 0 {
+                    std::mem::swap(&mut self.total, &mut worker.gradient);
+                    continue;
+                }
+                self.total.iter_mut().zip(&worker.gradient).for_each(|(t, g)| *t += g);
             }
             first += count;
         }

@@ -87,7 +87,6 @@ impl Outcome {
 /// One environment with its episode.
 #[derive(Debug, Clone)]
 pub struct Environment {
-    index: usize,
     task: usize,
     problem: Problem,
     x: Vec<f32>,
@@ -122,7 +121,6 @@ impl Environment {
         let problem = problems[task].clone();
         let dim = problem.objective.dim();
         let mut environment = Self {
-            index,
             task,
             x: vec![0.0; dim],
             gradient: vec![0.0; dim],
@@ -186,28 +184,9 @@ impl Environment {
         }
     }
 
-    /// Puts a saved state back into an environment of the same index, seed and problems.
-    ///
-    /// # Errors
-    /// If a task or a length does not fit.
-    pub fn restore(&mut self, saved: Saved, problems: &[Problem]) -> Result<(), InvalidInput> {
-        let refuse = |what: &str, found: usize, allowed: String| {
-            let field = format!("checkpoint.environments[{}].{what}", self.index);
-            Err(InvalidInput::new(field, found, allowed))
-        };
-        let Some(problem) = problems.get(saved.task) else {
-            return refuse("task", saved.task, format!("a number below {}", problems.len()));
-        };
-        let lengths = [
-            ("waypoints", saved.x.len(), self.x.len()),
-            ("observation", saved.observation.len(), self.observation.len()),
-            ("memory", saved.memory.len(), problem.encoder.memory().len()),
-        ];
-        for (what, found, expected) in lengths {
-            if found != expected {
-                return refuse(what, found, format!("{expected} numbers"));
-            }
-        }
+    /// Puts a saved state back into an environment of the same index and seed; `problem` is its task made ready, and the
+    /// slices have the lengths that belong to it.
+    pub(crate) fn restore(&mut self, saved: Saved, problem: &Problem) {
         self.problem.clone_from(problem);
         self.problem.encoder.restore(&saved.memory);
         self.rng.set_word_pos(saved.stream_position);
@@ -215,6 +194,5 @@ impl Environment {
         self.age = saved.age;
         self.x = saved.x;
         self.observation = saved.observation;
-        Ok(())
     }
 }

@@ -32,30 +32,48 @@ pub fn sample(mean: &[f32], log_std: &[f32], rng: &mut ChaCha8Rng, action: &mut 
     }
 }
 
-/// ln pi(action), all `[actions]`.
-pub fn log_prob(action: &[f32], mean: &[f32], log_std: &[f32]) -> f32 {
-    let term = |((a, m), s): ((&f32, &f32), &f32)| {
-        let z = (a - m) * (-s).exp();
-        -0.5 * z * z - s - HALF_LN_TWO_PI
-    };
-    action.iter().zip(mean).zip(log_std).map(term).sum()
+/// The densities of one log-std, with what does not depend on the mean computed once.
+#[derive(Debug, Clone)]
+pub struct Density {
+    /// exp(-s), `[actions]`.
+    inverse_std: Vec<f32>,
+    /// Sum of -s - ln(2 pi) / 2.
+    peak: f32,
 }
 
-/// Writes `factor * d log_prob / d mean` to `mean_gradient` and adds `factor * d log_prob / d log_std` to
-/// `log_std_gradient`, all `[actions]`.
-pub fn log_prob_gradient(
-    action: &[f32],
-    mean: &[f32],
-    log_std: &[f32],
-    factor: f32,
-    mean_gradient: &mut [f32],
-    log_std_gradient: &mut [f32],
-) {
-    for j in 0..action.len() {
-        let inverse = (-log_std[j]).exp();
-        let z = (action[j] - mean[j]) * inverse;
-        mean_gradient[j] = factor * z * inverse;
-        log_std_gradient[j] += factor * (z * z - 1.0);
+impl Density {
+    /// The densities of `log_std [actions]`.
+    pub fn new(log_std: &[f32]) -> Self {
+        Self {
+            inverse_std: log_std.iter().map(|s| (-s).exp()).collect(),
+            peak: log_std.iter().map(|s| -s - HALF_LN_TWO_PI).sum(),
+        }
+    }
+
+    /// ln pi(action), both slices `[actions]`.
+    pub fn log_prob(&self, action: &[f32], mean: &[f32]) -> f32 {
+        let square = |((a, m), inverse): ((&f32, &f32), &f32)| ((a - m) * inverse).powi(2);
+        let squares: f32 = action.iter().zip(mean).zip(&self.inverse_std).map(square).sum();
+        self.peak - 0.5 * squares
+    }
+
+    /// Writes `factor * d log_prob / d mean` to `mean_gradient` and adds `factor * d log_prob / d log_std` to
+    /// `log_std_gradient`, all `[actions]`.
+    pub fn log_prob_gradient(
+        &self,
+        action: &[f32],
+        mean: &[f32],
+        factor: f32,
+        mean_gradient: &mut [f32],
+        log_std_gradient: &mut [f32],
+    ) {
+        let moments = action.iter().zip(mean).zip(&self.inverse_std);
+        let gradients = mean_gradient.iter_mut().zip(log_std_gradient);
+        for (((a, m), inverse), (by_mean, by_std)) in moments.zip(gradients) {
+            let z = (a - m) * inverse;
+            *by_mean = factor * z * inverse;
+            *by_std += factor * (z * z - 1.0);
+        }
     }
 }
 
@@ -99,7 +117,7 @@ mod tests {
         ) {
             let [a, m, s] = [0, 1, 2].map(|c| rows.iter().map(|row| row[c]).collect::<Vec<f32>>());
             let (mut dm, mut ds) = (vec![0.0; rows.len()], vec![0.0; rows.len()]);
-            log_prob_gradient(&a, &m, &s, 1.0, &mut dm, &mut ds);
+            Density::new(&s).log_prob_gradient(&a, &m, 1.0, &mut dm, &mut ds);
             let h = 1e-2;
             for j in 0..rows.len() {
                 let slope = |values: &[f32], f: &dyn Fn(&[f32]) -> f32| {
@@ -109,8 +127,8 @@ mod tests {
                     moved[j] = values[j] - h;
                     (above - f(&moved)) / (2.0 * h)
                 };
-                let by_mean = slope(&m, &|m| log_prob(&a, m, &s));
-                let by_std = slope(&s, &|s| log_prob(&a, &m, s));
+                let by_mean = slope(&m, &|m| Density::new(&s).log_prob(&a, m));
+                let by_std = slope(&s, &|s| Density::new(s).log_prob(&a, &m));
                 let size = 1.0 + dm[j].abs() + ds[j].abs();
                 prop_assert!((dm[j] - by_mean).abs() < 2e-3 * size, "{} {by_mean}", dm[j]);
                 prop_assert!((ds[j] - by_std).abs() < 2e-3 * size, "{} {by_std}", ds[j]);

@@ -16,11 +16,12 @@ use crate::gaussian::standard_normal;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Initialization {
-    /// Every weight matrix is a rectangular identity: 1 where row = column, else 0 (the paper's text).
-    #[default]
+    /// Every weight matrix is a rectangular identity: 1 where row = column, else 0 (the paper's text). It cannot learn much:
+    /// hidden units beyond the observation's length stay dead, for nothing goes into them or comes out.
     Identity,
     /// As the paper's code ran: identity in the policy's middle layer only, and
-    /// elsewhere PyTorch's default, uniform in +-1/sqrt(inputs).
+    /// elsewhere PyTorch's default, uniform in +-1/sqrt(inputs). It made the paper's results, so it is the default.
+    #[default]
     Original,
     /// Orthogonal rows or columns, gain sqrt(2) in hidden layers, 0.01 at the policy's head, 1 at the value's.
     Orthogonal,

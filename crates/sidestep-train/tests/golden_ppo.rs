@@ -120,8 +120,9 @@ fn networks_and_gaussian() {
     check("policy", &means, &flat(&case["policy_outputs"]), 2e-6);
     check("value", &outputs(&agent.value), &flat(&case["value_outputs"]), 2e-6);
     let actions = singles(&case["actions"]);
+    let density = gaussian::Density::new(&agent.log_std);
     let rows = actions.chunks(4).zip(means.chunks(4));
-    let log_probs: Vec<f32> = rows.map(|(a, m)| gaussian::log_prob(a, m, &agent.log_std)).collect();
+    let log_probs: Vec<f32> = rows.map(|(a, m)| density.log_prob(a, m)).collect();
     check("log prob", &log_probs, &flat(&case["log_probs"]), 2e-6);
     let entropies = vec![gaussian::entropy(&agent.log_std); 5];
     check("entropy", &entropies, &flat(&case["entropies"]), 2e-6);

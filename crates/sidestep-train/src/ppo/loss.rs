@@ -2,7 +2,7 @@
 
 use super::PpoConfig;
 use crate::agent::{Agent, Gradient, Sums, Worker};
-use crate::gaussian;
+use crate::gaussian::{self, Density};
 
 /// Steps drawn for one optimizer step, gathered row by row.
 #[derive(Debug, Clone, Default)]
@@ -59,6 +59,7 @@ pub fn loss_and_gradient(
     let (wide, acts, rows) = (agent.observations(), agent.actions(), batch.returns.len());
     let (shift, factor) = batch.normaliser(config.normalise_advantages);
     let share = 1.0 / rows as f32;
+    let density = Density::new(&agent.log_std);
     let sums = gradient.accumulate(agent, rows, |range, worker: &mut Worker| {
         let observations = &batch.observations[range.start * wide..range.end * wide];
         agent.policy.forward_batch(observations, &mut worker.policy);
@@ -70,8 +71,7 @@ pub fn loss_and_gradient(
         for (local, row) in range.enumerate() {
             let action = &batch.actions[row * acts..][..acts];
             let mean = worker.policy.output(local);
-            let log_ratio =
-                gaussian::log_prob(action, mean, &agent.log_std) - batch.old_log_probs[row];
+            let log_ratio = density.log_prob(action, mean) - batch.old_log_probs[row];
             let ratio = log_ratio.exp();
             let advantage = (batch.advantages[row] - shift) * factor;
             let clipped = ratio.clamp(1.0 - config.clip, 1.0 + config.clip);
@@ -80,7 +80,7 @@ pub fn loss_and_gradient(
             let slope = if free <= bound { -free * share } else { 0.0 };
             let mean_gradient = &mut worker.mean_gradient[local * acts..][..acts];
             let stds = &mut log_std_gradient;
-            gaussian::log_prob_gradient(action, mean, &agent.log_std, slope, mean_gradient, stds);
+            density.log_prob_gradient(action, mean, slope, mean_gradient, stds);
             let error = worker.value.output(local)[0] - batch.returns[row];
             worker.value_gradient[local] = 2.0 * config.value * error * share;
             sums[0] -= f64::from(free.min(bound));

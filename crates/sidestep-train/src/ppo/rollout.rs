@@ -8,7 +8,7 @@ use super::{PpoConfig, UpdateMetrics};
 use crate::advantage::{Steps, generalised_advantages};
 use crate::agent::Agent;
 use crate::environment::{Environment, Problem, Rules};
-use crate::gaussian;
+use crate::gaussian::{self, Density};
 
 /// One environment's steps of one update; each slice has one entry (or row) per step, in order.
 #[derive(Debug, Clone, Default)]
@@ -37,7 +37,7 @@ pub fn collect(
     config: &PpoConfig,
     rollouts: &mut Vec<Rollout>,
 ) {
-    let count = environments.len();
+    let (count, density) = (environments.len(), Density::new(&agent.log_std));
     rollouts.resize_with(count, Rollout::default);
     let groups = environments.par_chunks_mut(TOGETHER).zip(rollouts.par_chunks_mut(TOGETHER));
     groups.for_each(|(environments, rollouts)| {
@@ -55,7 +55,7 @@ pub fn collect(
                 gaussian::sample(mean, &agent.log_std, &mut env.rng, &mut action);
                 rollout.observations.extend_from_slice(env.observation());
                 rollout.actions.extend_from_slice(&action);
-                rollout.log_probs.push(gaussian::log_prob(&action, mean, &agent.log_std));
+                rollout.log_probs.push(density.log_prob(&action, mean));
                 rollout.values.push(value.output(row)[0]);
                 let outcome = env.step(&action, rules);
                 let mut reward = outcome.reward;

@@ -1,0 +1,163 @@
+//! A training's complete state as bytes, from which it goes on to the same bits.
+//!
+//! A safetensors file ([`sidestep::tensors`]) with the parameters, the optimizer's moments, each environment's waypoints, observation and
+//! memory, and the best policy so far; and a document with the configuration, the counters, each environment's place in its
+//! stream, and the curve. What the configuration determines (tasks, samples, shuffles) is made again.
+
+use serde::{Deserialize, Serialize};
+use sidestep::InvalidInput;
+use sidestep::policy::{network_tensors, read_network};
+use sidestep::tensors::{self, Reader, Tensor};
+
+use crate::config::TrainConfig;
+use crate::environment::Saved;
+use crate::optimizer::Optimizer;
+use crate::trainer::{Best, Progress, Trainer};
+use crate::validation::Validation;
+
+/// The version of the checkpoints that this program writes and reads.
+pub const FORMAT: &str = "sidestep.checkpoint/1";
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    format: String,
+    config: TrainConfig,
+    epochs: u64,
+    updates: u64,
+    optimizer_steps: u64,
+    environments: Vec<Place>,
+    best: Option<BestCard>,
+    curve: Vec<Progress>,
+}
+
+/// An environment's numbers that are no tensor.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Place {
+    task: usize,
+    age: u32,
+    /// In words; 2^64 of them last 10^5 years.
+    stream_position: u64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BestCard {
+    validation: Validation,
+    environment_steps: u64,
+}
+
+impl Trainer {
+    /// The complete state.
+    ///
+    /// # Errors
+    /// If the state is no JSON, which a diverged training may be.
+    pub fn checkpoint(&self) -> Result<Vec<u8>, InvalidInput> {
+        let saved: Vec<Saved> = self.environments.iter().map(|env| env.save()).collect();
+        let place = |saved: &Saved| Place {
+            task: saved.task,
+            age: saved.age,
+            stream_position: saved.stream_position as u64,
+        };
+        let document = Document {
+            format: FORMAT.into(),
+            config: self.setup.config.clone(),
+            epochs: self.epochs,
+            updates: self.updates,
+            optimizer_steps: self.optimizer.steps(),
+            environments: saved.iter().map(place).collect(),
+            best: self.best.as_ref().map(|best| BestCard {
+                validation: best.validation,
+                environment_steps: best.environment_steps,
+            }),
+            curve: self.curve.clone(),
+        };
+        let mut tensors = network_tensors(&self.agent.policy, "policy.");
+        tensors.extend(network_tensors(&self.agent.value, "value."));
+        if let Some(best) = &self.best {
+            tensors.extend(network_tensors(&best.network, "best."));
+        }
+        tensors.push(vector("log_std", &self.agent.log_std));
+        let [first, second] = self.optimizer.moments();
+        tensors.push(vector("optimizer.0", first));
+        tensors.push(vector("optimizer.1", second));
+        for (index, saved) in saved.iter().enumerate() {
+            tensors.push(vector(&format!("environments.{index}.waypoints"), &saved.x));
+            tensors.push(vector(&format!("environments.{index}.observation"), &saved.observation));
+            tensors.push(vector(&format!("environments.{index}.memory"), &saved.memory));
+        }
+        tensors::write(&document, &tensors)
+    }
+
+    /// Goes on from a checkpoint; the configuration is the one that it holds.
+    ///
+    /// # Errors
+    /// If the bytes are no checkpoint of this version, or one that contradicts itself.
+    pub fn resume(bytes: &[u8]) -> Result<Self, InvalidInput> {
+        let mut reader = Reader::new(bytes, "checkpoint", FORMAT)?;
+        let document: Document = reader.document()?;
+        let inside = |error: InvalidInput| error.inside("checkpoint");
+        let mut trainer = Self::new(document.config).map_err(inside)?;
+        let (epochs, updates) =
+            (trainer.setup.config.cloning.epochs as u64, trainer.setup.config.updates());
+        at_most("epochs", document.epochs, epochs)?;
+        at_most("updates", document.updates, if document.epochs < epochs { 0 } else { updates })?;
+        let lanes = trainer.environments.len();
+        if document.environments.len() != lanes {
+            let found = document.environments.len();
+            return Err(InvalidInput::new("checkpoint.environments", found, lanes.to_string()));
+        }
+        (trainer.epochs, trainer.updates) = (document.epochs, document.updates);
+        let policy_sizes = trainer.agent.policy.sizes().to_vec();
+        let value_sizes = trainer.agent.value.sizes().to_vec();
+        trainer.agent.policy = read_network(&mut reader, &policy_sizes, "policy.")?;
+        trainer.agent.value = read_network(&mut reader, &value_sizes, "value.")?;
+        trainer.agent.log_std = reader.tensor("log_std", &[trainer.agent.actions()])?;
+        let count = trainer.agent.parameter_count();
+        let moments =
+            [reader.tensor("optimizer.0", &[count])?, reader.tensor("optimizer.1", &[count])?];
+        let kind = trainer.stage_optimizer();
+        trainer.optimizer = Optimizer::resumed(kind, document.optimizer_steps, moments);
+        if let Some(BestCard { validation, environment_steps }) = document.best {
+            let network = read_network(&mut reader, &policy_sizes, "best.")?;
+            trainer.best = Some(Best { network, validation, environment_steps });
+        }
+        let problems = &trainer.problems;
+        for (index, place) in document.environments.into_iter().enumerate() {
+            let environment = &mut trainer.environments[index];
+            let Some(problem) = problems.get(place.task) else {
+                let field = format!("checkpoint.environments[{index}].task");
+                let allowed = format!("a number below {}", problems.len());
+                return Err(InvalidInput::new(field, place.task, allowed));
+            };
+            let mut read = |name: &str, length: usize| {
+                reader.tensor(&format!("environments.{index}.{name}"), &[length])
+            };
+            let saved = Saved {
+                task: place.task,
+                age: place.age,
+                stream_position: u128::from(place.stream_position),
+                x: read("waypoints", environment.waypoints().len())?,
+                observation: read("observation", environment.observation().len())?,
+                memory: read("memory", problem.encoder.memory().len())?,
+            };
+            environment.restore(saved, problem);
+        }
+        trainer.curve = document.curve;
+        reader.finish()?;
+        Ok(trainer)
+    }
+}
+
+fn vector<'a>(name: &str, values: &'a [f32]) -> Tensor<'a> {
+    (name.to_string(), vec![values.len()], values)
+}
+
+fn at_most(field: &str, value: u64, most: u64) -> Result<(), InvalidInput> {
+    if value <= most {
+        return Ok(());
+    }
+    let field = format!("checkpoint.{field}");
+    Err(InvalidInput::new(field, value, format!("a number from 0 to {most}")))
+}

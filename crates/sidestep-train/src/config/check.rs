@@ -1,0 +1,151 @@
+//! Checks a configuration once, and names its parts.
+
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+
+use sidestep::InvalidInput;
+use sidestep::observation::{ObservationPart, observation_len};
+use sidestep::policy::ActionRule;
+use sidestep::profile::Profile;
+use sidestep::starts::StartStrategy;
+use sidestep::suite::Suite;
+
+use super::TrainConfig;
+use crate::environment::Rules;
+
+/// Most numbers in the observations of one update or of cloning (4 GB of f32).
+const MAX_NUMBERS: usize = 1 << 30;
+
+/// A configuration that has been checked, with what its names stand for.
+#[derive(Debug, Clone)]
+pub(crate) struct Setup {
+    pub config: TrainConfig,
+    pub profile: Profile,
+    pub parts: Vec<ObservationPart>,
+    pub observation: usize,
+    pub training: Suite,
+    pub validation: Suite,
+    pub starts: StartStrategy,
+    pub rules: Rules,
+}
+
+impl Setup {
+    /// Checks `config`.
+    pub fn new(config: TrainConfig) -> Result<Self, InvalidInput> {
+        let profile = Profile::named(&config.profile)?;
+        let parts: Vec<ObservationPart> = config
+            .observation
+            .iter()
+            .map(|name| ObservationPart::named(name))
+            .collect::<Result<_, _>>()?;
+        let observation = observation_len(&parts, profile.waypoints)?;
+        check_numbers(&config)?;
+        check_sizes(&config, observation)?;
+        let training = match config.training.suite.as_str() {
+            "easy" => Suite::Easy,
+            "mix" => Suite::Mix,
+            "hard" => Suite::HardTraining,
+            other => return refuse("training.suite", other, "easy, hard or mix"),
+        };
+        let (seed, validation_seed) = (config.training.seed, config.validation.seed);
+        if seed != 0 && seed < 1000 {
+            return refuse(
+                "training.seed",
+                seed,
+                "0, or 1000 and above; the rest are for validation and tests",
+            );
+        }
+        if ![7, 17].contains(&validation_seed) {
+            return refuse(
+                "validation.seed",
+                validation_seed,
+                "7 or 17; the rest are for training and tests",
+            );
+        }
+        let validation =
+            Suite::named(&config.validation.suite).map_err(|error| error.inside("validation"))?;
+        let starts = StartStrategy::named(&config.cloning.starts)
+            .map_err(|error| InvalidInput::new("cloning.starts", error.value, error.allowed))?;
+        let environment = &config.environment;
+        let action = ActionRule {
+            scale: environment.action_scale,
+            limit: environment.action_limit,
+            keep_inside: environment.keep_inside,
+        };
+        let rules = Rules { action, mu: environment.mu, episode_limit: environment.episode_limit };
+        Ok(Self { config, profile, parts, observation, training, validation, starts, rules })
+    }
+}
+
+fn refuse<T>(field: &str, value: impl Display, allowed: &str) -> Result<T, InvalidInput> {
+    Err(InvalidInput::new(field, value, allowed))
+}
+
+fn within<T: PartialOrd + Display>(
+    field: &str,
+    value: T,
+    range: RangeInclusive<T>,
+) -> Result<(), InvalidInput> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    let allowed = format!("a number from {} to {}", range.start(), range.end());
+    Err(InvalidInput::new(field, value, allowed))
+}
+
+/// A number in (0, `most`].
+fn above_zero(field: &str, value: f64, most: f64) -> Result<(), InvalidInput> {
+    if value > 0.0 && value <= most {
+        return Ok(());
+    }
+    Err(InvalidInput::new(field, value, format!("a number above 0 and up to {most}")))
+}
+
+fn check_numbers(config: &TrainConfig) -> Result<(), InvalidInput> {
+    let TrainConfig { training, network, environment, cloning, ppo, validation, .. } = config;
+    within("environment_steps", config.environment_steps, 0..=1_000_000_000_000)?;
+    within("training.count", training.count, 1..=1_000_000)?;
+    within("network.hidden", network.hidden, 1..=4096)?;
+    within("environment.mu", environment.mu, 0.0..=1000.0)?;
+    above_zero("environment.action_scale", f64::from(environment.action_scale), 1e6)?;
+    above_zero("environment.action_limit", f64::from(environment.action_limit), 1e6)?;
+    within("environment.episode_limit", environment.episode_limit.unwrap_or(1), 1..=u32::MAX)?;
+    within("cloning.epochs", cloning.epochs, 0..=1_000_000)?;
+    within("cloning.samples_per_task", cloning.samples_per_task, 1..=1_000_000)?;
+    above_zero("cloning.step", f64::from(cloning.step), 1000.0)?;
+    within("cloning.minibatch", cloning.minibatch, 1..=1_000_000)?;
+    above_zero("cloning.learning_rate", cloning.learning_rate, 1000.0)?;
+    within("ppo.environments", ppo.environments, 1..=1_000_000)?;
+    within("ppo.steps", ppo.steps, 1..=1_000_000)?;
+    within("ppo.gamma", ppo.gamma, 0.0..=1.0)?;
+    within("ppo.lambda", ppo.lambda, 0.0..=1.0)?;
+    above_zero("ppo.learning_rate", ppo.learning_rate, 1.0)?;
+    within("ppo.minibatch", ppo.minibatch, 1..=1_000_000)?;
+    within("ppo.epochs", ppo.epochs, 1..=1000)?;
+    within("ppo.entropy", ppo.entropy, 0.0..=1000.0)?;
+    within("ppo.value", ppo.value, 0.0..=1000.0)?;
+    above_zero("ppo.max_gradient_norm", f64::from(ppo.max_gradient_norm), 1e6)?;
+    above_zero("ppo.clip", f64::from(ppo.clip), 1.0)?;
+    above_zero("ppo.target_kl", ppo.target_kl.unwrap_or(1.0), 1000.0)?;
+    within("ppo.initial_log_std", ppo.initial_log_std, -10.0..=3.0)?;
+    within("validation.count", validation.count, 0..=100_000)?;
+    within("validation.every", validation.every, 1..=1_000_000)?;
+    within("validation.steps", validation.steps, 1..=100_000)
+}
+
+/// Products that decide how much memory a training takes.
+fn check_sizes(config: &TrainConfig, observation: usize) -> Result<(), InvalidInput> {
+    let TrainConfig { training, cloning, ppo, .. } = config;
+    let check = |field: &str, rows: Option<usize>, what: &str| match rows
+        .and_then(|rows| rows.checked_mul(observation))
+    {
+        Some(numbers) if numbers <= MAX_NUMBERS => Ok(()),
+        _ => {
+            let allowed = format!("{what} x {observation} (observation) up to {MAX_NUMBERS}");
+            refuse(field, "too large a product", &allowed)
+        }
+    };
+    check("ppo.steps", ppo.environments.checked_mul(ppo.steps), "environments x steps")?;
+    let samples = training.count.checked_mul(cloning.samples_per_task);
+    check("cloning.samples_per_task", samples, "training.count x samples_per_task")
+}

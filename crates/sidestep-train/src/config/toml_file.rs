@@ -1,0 +1,145 @@
+//! From TOML text to a configuration, with errors in the user's own words.
+//!
+//! Serde's messages name neither the section nor the nearest key, so keys and kinds of values are first compared with the
+//! defaults, which know every key; what is left (names of choices, syntax) keeps the parser's message and line.
+
+use serde_json::Value as Known;
+use sidestep::InvalidInput;
+use toml::{Table, Value};
+
+use super::TrainConfig;
+
+/// Farthest that a key may be from a known one (Jaro-Winkler similarity) to be suggested.
+const SIMILAR: f64 = 0.7;
+
+pub(super) fn parse(text: &str) -> Result<TrainConfig, InvalidInput> {
+    let table: Table = toml::from_str(text).map_err(|error| plain(text, &error))?;
+    let known = serde_json::to_value(TrainConfig::default())
+        .map_err(|error| InvalidInput::new("config", error, "the defaults as JSON"))?;
+    check_table("", &table, &known)?;
+    toml::from_str(text).map_err(|error| plain(text, &error))
+}
+
+/// The parser's own error, with its line.
+fn plain(text: &str, error: &toml::de::Error) -> InvalidInput {
+    let field = match error.span() {
+        Some(span) => {
+            let before = text.get(..span.start).unwrap_or(text);
+            format!("config, line {}", before.matches('\n').count() + 1)
+        }
+        None => "config".into(),
+    };
+    let message = error.message();
+    let (value, allowed) =
+        message.split_once(", expected ").unwrap_or((message, "the syntax of TOML"));
+    InvalidInput::new(field, value, allowed)
+}
+
+fn check_table(path: &str, table: &Table, known: &Known) -> Result<(), InvalidInput> {
+    for (key, value) in table {
+        let field = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+        let Some(default) = known.get(key) else {
+            return Err(InvalidInput::new(field, "an unknown key", suggestion(path, key, known)));
+        };
+        check_kind(&field, value, default)?;
+    }
+    Ok(())
+}
+
+fn suggestion(path: &str, key: &str, known: &Known) -> String {
+    let keys: Vec<&String> = known.as_object().into_iter().flat_map(|map| map.keys()).collect();
+    let similarity = |name: &String| strsim::jaro_winkler(name, key);
+    let nearest = keys.iter().max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
+    match nearest.filter(|name| similarity(name) > SIMILAR) {
+        Some(name) => format!("{name} (the nearest known key)"),
+        None => {
+            let place = if path.is_empty() { String::new() } else { format!("[{path}] knows ") };
+            let names: Vec<&str> = keys.iter().map(|name| name.as_str()).collect();
+            format!("{place}{}", names.join(", "))
+        }
+    }
+}
+
+fn check_kind(field: &str, value: &Value, default: &Known) -> Result<(), InvalidInput> {
+    let (fits, kind) = match default {
+        Known::Object(_) => match value {
+            Value::Table(table) => return check_table(field, table, default),
+            _ => (false, "a table"),
+        },
+        Known::Number(number) if number.is_u64() => {
+            (value.as_integer().is_some_and(|n| n >= 0), "a whole number of at least 0")
+        }
+        Known::Number(_) => (value.is_float() || value.is_integer(), "a number"),
+        Known::Bool(_) => (value.is_bool(), "true or false"),
+        Known::String(_) => (value.is_str(), "a text in quotes"),
+        Known::Array(_) => (
+            value.as_array().is_some_and(|items| items.iter().all(Value::is_str)),
+            "a list of texts in quotes",
+        ),
+        // Optional values have no default to compare with: all of them are numbers above 0.
+        Known::Null => (
+            value.as_float().is_some_and(|x| x > 0.0) || value.as_integer().is_some_and(|n| n > 0),
+            "a number above 0, or leave the key out",
+        ),
+    };
+    if fits { Ok(()) } else { Err(InvalidInput::new(field, value, kind)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_out_keeps_the_papers_value() {
+        assert_eq!(TrainConfig::from_toml("").unwrap(), TrainConfig::default());
+        let text = "seed = 3\nenvironment_steps = 10_000\n[network]\nhidden = 128\n[ppo]\ntarget_kl = 0.02";
+        let config = TrainConfig::from_toml(text).unwrap();
+        assert_eq!((config.seed, config.network.hidden), (3, 128));
+        assert_eq!((config.ppo.target_kl, config.ppo.epochs), (Some(0.02), 10));
+        assert_eq!(config.updates(), 3);
+    }
+
+    #[test]
+    fn a_written_configuration_reads_back() {
+        let config = TrainConfig::default();
+        assert_eq!(TrainConfig::from_toml(&toml::to_string(&config).unwrap()).unwrap(), config);
+    }
+
+    #[test]
+    fn errors_name_field_value_and_range() {
+        let check = |text: &str, expected: &str| {
+            let message = TrainConfig::from_toml(text).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
+        };
+        check(
+            "[ppo]\nlearning_rat = 1",
+            "ppo.learning_rat: an unknown key is not allowed; expected learning_rate",
+        );
+        check("sede = 1", "expected seed");
+        check("[pp0]\nsteps = 1", "expected ppo");
+        check("[network]\nxyzzy = 1", "[network] knows hidden, initialization");
+        check("environment_steps = -5", "environment_steps: -5");
+        check("environment_steps = 1e5", "expected a whole number of at least 0");
+        check("[ppo]\nclip = \"wide\"", "ppo.clip: \"wide\" is not allowed; expected a number");
+        check(
+            "[ppo]\nclip = 0",
+            "ppo.clip: 0 is not allowed; expected a number above 0 and up to 1",
+        );
+        check("[ppo]\ngamma = nan", "ppo.gamma: NaN");
+        check("[ppo]\ntarget_kl = -1", "ppo.target_kl: -1");
+        check("[ppo]\nschedule = \"linaer\"", "config, line 2: unknown variant `linaer`");
+        check("[ppo]\nsteps = 1000000\nenvironments = 1000000", "environments x steps");
+        check("[ppo]\nenvironments = 0", "ppo.environments: 0");
+        check("profile = \"papr\"", "profile: papr");
+        check("observation = [\"gradent\"]", "observation: gradent");
+        check("observation = []", "at least one part");
+        check("observation = [1]", "a list of texts");
+        check("[training]\nseed = 2", "training.seed: 2");
+        check("[training]\nsuite = \"time\"", "easy, hard or mix");
+        check("[validation]\nseed = 2", "validation.seed: 2");
+        check("[validation]\nsuite = \"eazy\"", "validation.suite: eazy");
+        check("[cloning]\nstarts = \"lnie\"", "cloning.starts: lnie");
+        check("ppo = 3", "ppo: 3 is not allowed; expected a table");
+        check("seed = ", "config, line 1");
+    }
+}

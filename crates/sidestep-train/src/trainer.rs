@@ -1,0 +1,327 @@
+//! A training, one unit at a time: epochs of cloning, then updates of PPO (paper, section II.B).
+//!
+//! A [`Trainer`] holds the complete state and touches neither files nor clock: the caller writes checkpoints and shows
+//! progress. A checkpoint after any unit goes on to the same bits as if nothing had happened ([`crate::checkpoint`]).
+
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use sidestep::policy::{Policy, PolicyCard};
+use sidestep::profile::Profile;
+use sidestep::rng::{Purpose, stream};
+use sidestep::suite::Suite;
+use sidestep::{InvalidInput, network::Mlp};
+
+use crate::agent::Agent;
+use crate::cloning::{self, Samples};
+use crate::config::{Setup, TrainConfig};
+use crate::environment::{Environment, Problem};
+use crate::optimizer::{Optimizer, OptimizerKind};
+use crate::ppo::{self, Rollout, UpdateMetrics};
+use crate::validation::{Validation, validate};
+
+/// Licence of the weights that training makes.
+const LICENCE: &str = "MIT OR Apache-2.0";
+
+/// Which part of the training a unit belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// An epoch of behaviour cloning.
+    Cloning,
+    /// An update of PPO: experience from every environment, then epochs over it.
+    Ppo,
+}
+
+/// What one unit did: a point of the training curve.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Progress {
+    /// The unit's stage.
+    pub stage: Stage,
+    /// Its number within the stage, from 1.
+    pub unit: u64,
+    /// Units of the stage in all.
+    pub units: u64,
+    /// Environment steps made so far.
+    pub environment_steps: u64,
+    /// Loss of each minibatch of cloning, in order; empty for PPO.
+    pub cloning_losses: Vec<f64>,
+    /// What the update of PPO did.
+    pub update: Option<UpdateMetrics>,
+    /// The result on the validation tasks, where this unit ended with one.
+    pub validation: Option<Validation>,
+    /// Whether that is the best so far.
+    pub is_best: bool,
+}
+
+/// The best policy on the validation tasks so far.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Best {
+    /// Its network.
+    pub network: Mlp,
+    /// Its result.
+    pub validation: Validation,
+    /// Environment steps that made it.
+    pub environment_steps: u64,
+}
+
+/// A training and its state.
+pub struct Trainer {
+    pub(crate) setup: Setup,
+    pub(crate) problems: Vec<Problem>,
+    pub(crate) validation: Vec<Problem>,
+    pub(crate) agent: Agent,
+    /// Cloning's optimizer, then PPO's.
+    pub(crate) optimizer: Optimizer,
+    pub(crate) environments: Vec<Environment>,
+    pub(crate) epochs: u64,
+    pub(crate) updates: u64,
+    pub(crate) curve: Vec<Progress>,
+    pub(crate) best: Option<Best>,
+    samples: Option<Samples>,
+    rollouts: Vec<Rollout>,
+}
+
+impl Trainer {
+    /// A training at its beginning.
+    ///
+    /// # Errors
+    /// If the configuration has a value out of range, or the observation does not fit the tasks.
+    pub fn new(config: TrainConfig) -> Result<Self, InvalidInput> {
+        let setup = Setup::new(config)?;
+        let config = &setup.config;
+        let problems = |suite: Suite, count: usize, seed: u64| -> Result<Vec<Problem>, _> {
+            // What is hard is the paper's gradient descent's to say, whatever profile is trained.
+            let tasks = suite.generate(count, seed, &Profile::PAPER);
+            let (profile, waypoints) = (&setup.profile, setup.profile.waypoints);
+            tasks.iter().map(|task| Problem::new(task, profile, waypoints, &setup.parts)).collect()
+        };
+        let (training, checks) = (&config.training, &config.validation);
+        let validation = problems(setup.validation, checks.count, checks.seed)?;
+        let problems = problems(setup.training, training.count, training.seed)?;
+        let (hidden, actions) = (config.network.hidden, 2 * setup.profile.waypoints);
+        let (initialization, log_std) = (config.network.initialization, config.ppo.initial_log_std);
+        let (wide, seed) = (setup.observation, config.seed);
+        let agent = Agent::new(wide, hidden, actions, initialization, log_std, seed)?;
+        let environment = |index| Environment::new(index, &problems, config.seed);
+        let mut trainer = Self {
+            environments: (0..config.ppo.environments).map(environment).collect(),
+            optimizer: Optimizer::new(OptimizerKind::Adam, agent.parameter_count()),
+            problems,
+            validation,
+            agent,
+            epochs: 0,
+            updates: 0,
+            curve: Vec::new(),
+            best: None,
+            samples: None,
+            rollouts: Vec::new(),
+            setup,
+        };
+        trainer.begin_stage();
+        Ok(trainer)
+    }
+
+    /// The configuration.
+    pub fn config(&self) -> &TrainConfig {
+        &self.setup.config
+    }
+
+    /// The stage of the next unit, or `None` when all are done.
+    pub fn stage(&self) -> Option<Stage> {
+        if self.epochs < self.setup.config.cloning.epochs as u64 {
+            Some(Stage::Cloning)
+        } else if self.updates < self.setup.config.updates() {
+            Some(Stage::Ppo)
+        } else {
+            None
+        }
+    }
+
+    /// Units made and units in all, over both stages.
+    pub fn units(&self) -> (u64, u64) {
+        let config = &self.setup.config;
+        (self.epochs + self.updates, config.cloning.epochs as u64 + config.updates())
+    }
+
+    /// Environment steps made so far.
+    pub fn environment_steps(&self) -> u64 {
+        let ppo = &self.setup.config.ppo;
+        self.updates * (ppo.environments * ppo.steps) as u64
+    }
+
+    /// What every unit so far did.
+    pub fn curve(&self) -> &[Progress] {
+        &self.curve
+    }
+
+    /// Makes the next unit; `None` when all are done.
+    ///
+    /// # Errors
+    /// If the parameters are no longer finite: the learning rate is too high. The training cannot go on from there.
+    pub fn step(&mut self) -> Result<Option<Progress>, InvalidInput> {
+        let Some(stage) = self.stage() else { return Ok(None) };
+        let mut progress = match stage {
+            Stage::Cloning => self.clone_once(),
+            Stage::Ppo => self.update_once(),
+        };
+        self.check_finite(stage)?;
+        if progress.validation_is_due(&self.setup.config) && !self.validation.is_empty() {
+            let (rule, steps) = (self.setup.rules.action, self.setup.config.validation.steps);
+            let result = validate(&self.agent.policy, rule, &self.validation, steps);
+            progress.validation = Some(result);
+            progress.is_best = self.best.as_ref().is_none_or(|best| result.beats(&best.validation));
+            if progress.is_best {
+                let (network, environment_steps) =
+                    (self.agent.policy.clone(), progress.environment_steps);
+                self.best = Some(Best { network, validation: result, environment_steps });
+            }
+        }
+        if self.stage() != Some(stage) {
+            self.begin_stage();
+        }
+        self.curve.push(progress.clone());
+        Ok(Some(progress))
+    }
+
+    /// The policy as it is now, with its card.
+    ///
+    /// # Errors
+    /// Never for a trainer that has not diverged.
+    pub fn policy(&self) -> Result<Policy, InvalidInput> {
+        self.card(&self.agent.policy, self.environment_steps())
+    }
+
+    /// The best policy on the validation tasks so far, or the present one if there was no validation yet.
+    ///
+    /// # Errors
+    /// As [`Trainer::policy`].
+    pub fn best_policy(&self) -> Result<Policy, InvalidInput> {
+        match &self.best {
+            Some(best) => self.card(&best.network, best.environment_steps),
+            None => self.policy(),
+        }
+    }
+
+    /// The best result on the validation tasks so far.
+    pub fn best(&self) -> Option<&Best> {
+        self.best.as_ref()
+    }
+
+    /// A fresh optimizer for the stage that comes.
+    fn begin_stage(&mut self) {
+        self.optimizer = Optimizer::new(self.stage_optimizer(), self.agent.parameter_count());
+        if self.stage() != Some(Stage::Cloning) {
+            self.samples = None;
+        }
+    }
+
+    /// The kind of optimizer that the stage of the next unit uses.
+    pub(crate) fn stage_optimizer(&self) -> OptimizerKind {
+        match self.stage() {
+            Some(Stage::Cloning) => self.setup.config.cloning.optimizer,
+            _ => OptimizerKind::Adam,
+        }
+    }
+
+    fn clone_once(&mut self) -> Progress {
+        let (config, starts) = (&self.setup.config, self.setup.starts);
+        let problems = &self.problems;
+        let samples = self.samples.get_or_insert_with(|| {
+            cloning::draw_samples(problems, starts, &config.cloning, config.seed)
+        });
+        let mut shuffle = stream(config.seed, Purpose::Shuffle, self.epochs, 1);
+        let (agent, optimizer) = (&mut self.agent, &mut self.optimizer);
+        let losses = cloning::epoch(agent, optimizer, samples, &config.cloning, &mut shuffle);
+        self.epochs += 1;
+        Progress {
+            cloning_losses: losses,
+            ..self.progress(Stage::Cloning, self.epochs, self.setup.config.cloning.epochs as u64)
+        }
+    }
+
+    fn update_once(&mut self) -> Progress {
+        let config = &self.setup.config;
+        let (ppo, updates) = (&config.ppo, config.updates());
+        let (environments, problems) = (&mut self.environments, &self.problems);
+        let (rules, rollouts) = (&self.setup.rules, &mut self.rollouts);
+        ppo::collect(&self.agent, environments, problems, rules, ppo, rollouts);
+        let progress = self.updates as f64 / updates as f64;
+        let learning_rate = ppo.learning_rate * ppo.schedule.factor(progress);
+        let mut shuffle = stream(config.seed, Purpose::Shuffle, self.updates, 0);
+        let (agent, optimizer) = (&mut self.agent, &mut self.optimizer);
+        let metrics =
+            ppo::update(agent, optimizer, &self.rollouts, ppo, learning_rate, &mut shuffle);
+        self.updates += 1;
+        Progress { update: Some(metrics), ..self.progress(Stage::Ppo, self.updates, updates) }
+    }
+
+    fn progress(&self, stage: Stage, unit: u64, units: u64) -> Progress {
+        Progress {
+            stage,
+            unit,
+            units,
+            environment_steps: self.environment_steps(),
+            cloning_losses: Vec::new(),
+            update: None,
+            validation: None,
+            is_best: false,
+        }
+    }
+
+    fn check_finite(&self, stage: Stage) -> Result<(), InvalidInput> {
+        let Agent { policy, value, log_std } = &self.agent;
+        let mut all = policy.parameters().iter().chain(value.parameters()).chain(log_std);
+        if all.all(|parameter| parameter.is_finite()) {
+            return Ok(());
+        }
+        let config = &self.setup.config;
+        let (field, rate, unit) = match stage {
+            Stage::Cloning => ("cloning", config.cloning.learning_rate, self.epochs),
+            Stage::Ppo => ("ppo", config.ppo.learning_rate, self.updates),
+        };
+        let allowed = format!("a lower rate: after unit {unit} the parameters are not finite");
+        Err(InvalidInput::new(format!("{field}.learning_rate"), rate, allowed))
+    }
+
+    fn card(&self, network: &Mlp, environment_steps: u64) -> Result<Policy, InvalidInput> {
+        let config = &self.setup.config;
+        let point = |progress: &Progress| {
+            let result = progress.validation?;
+            Some(json!({
+                "environment_steps": progress.environment_steps,
+                "success": result.success(),
+                "mean_iterations": result.mean_iterations,
+            }))
+        };
+        let curve: Vec<_> = self.curve.iter().filter_map(point).collect();
+        let card = PolicyCard {
+            format: String::new(),
+            architecture: String::new(),
+            sizes: Vec::new(),
+            waypoints: self.setup.profile.waypoints,
+            observation: config.observation.clone(),
+            profile: config.profile.clone(),
+            action: self.setup.rules.action,
+            training: json!({
+                "config": config,
+                "environment_steps": environment_steps,
+                "validation_curve": curve,
+            }),
+            licence: LICENCE.into(),
+        };
+        Policy::new(card, network.clone())
+    }
+}
+
+impl Progress {
+    /// After cloning, after every so many updates, and after the last one.
+    fn validation_is_due(&self, config: &TrainConfig) -> bool {
+        match self.stage {
+            Stage::Cloning => self.unit == self.units,
+            Stage::Ppo => {
+                self.unit == self.units || self.unit.is_multiple_of(config.validation.every)
+            }
+        }
+    }
+}
