@@ -14,6 +14,7 @@ mod output;
 mod plan;
 mod planning;
 mod table;
+mod train;
 
 use std::process::ExitCode;
 
@@ -55,6 +56,8 @@ enum Verb {
     Bench(bench::BenchArgs),
     /// Render a report as a table
     Table(table::TableArgs),
+    /// Train a policy
+    Train(train::TrainArgs),
     /// Exact shortest path of each task, or the proof that there is none
     Oracle(oracle::OracleArgs),
 }
@@ -71,6 +74,7 @@ fn main() -> ExitCode {
         Verb::Generate(args) => generate::run(&args, &cli.global).map(|()| ExitCode::SUCCESS),
         Verb::Bench(args) => bench::run(&args, &cli.global).map(|()| ExitCode::SUCCESS),
         Verb::Table(args) => table::run(&args).map(|()| ExitCode::SUCCESS),
+        Verb::Train(args) => train::run(&args, &cli.global).map(|()| ExitCode::SUCCESS),
         Verb::Oracle(args) => oracle::run(&args, &cli.global).map(|()| ExitCode::SUCCESS),
     };
     outcome.unwrap_or_else(|Failure(message)| {
