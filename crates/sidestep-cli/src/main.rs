@@ -5,6 +5,7 @@
 //! messages go to standard error.
 
 mod bench;
+mod experiment;
 mod failure;
 mod generate;
 mod input;
@@ -56,6 +57,8 @@ enum Verb {
     Bench(bench::BenchArgs),
     /// Render a report as a table
     Table(table::TableArgs),
+    /// Train and measure what an experiment file names
+    Experiment(experiment::ExperimentArgs),
     /// Train a policy
     Train(train::TrainArgs),
     /// Exact shortest path of each task, or the proof that there is none
@@ -74,6 +77,7 @@ fn main() -> ExitCode {
         Verb::Generate(args) => generate::run(&args, &cli.global).map(|()| ExitCode::SUCCESS),
         Verb::Bench(args) => bench::run(&args, &cli.global).map(|()| ExitCode::SUCCESS),
         Verb::Table(args) => table::run(&args).map(|()| ExitCode::SUCCESS),
+        Verb::Experiment(args) => experiment::run(&args, &cli.global).map(|()| ExitCode::SUCCESS),
         Verb::Train(args) => train::run(&args, &cli.global).map(|()| ExitCode::SUCCESS),
         Verb::Oracle(args) => oracle::run(&args, &cli.global).map(|()| ExitCode::SUCCESS),
     };

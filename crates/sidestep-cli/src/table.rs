@@ -1,13 +1,17 @@
 //! `sidestep table`: a report as Markdown or CSV, the paper's numbers beside where it has them.
 
+mod experiment;
+
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
 use crate::bench::report::{FORMAT, Report, Row};
+use crate::experiment::report::{self, ExperimentReport};
 use crate::failure::Failure;
 use crate::input::read_text;
 use crate::output;
+pub use experiment::{experiment_csv, experiment_markdown};
 
 /// Arguments of `table`.
 #[derive(Args)]
@@ -27,16 +31,30 @@ enum Format {
 
 /// Renders the report.
 pub fn run(args: &TableArgs) -> Result<(), Failure> {
-    let report: Report = serde_json::from_str(&read_text(&args.report)?)
-        .map_err(|error| Failure::file(&args.report, format!("is not a report ({error})")))?;
-    if report.format != FORMAT {
-        let found = format!("format {:?}; expected {FORMAT:?}", report.format);
-        return Err(Failure::file(&args.report, found));
-    }
-    output::print(&match args.format {
-        Format::Markdown => markdown(&report),
-        Format::Csv => csv(&report),
-    })
+    let broken = |error| Failure::file(&args.report, format!("is not a report ({error})"));
+    let value: serde_json::Value =
+        serde_json::from_str(&read_text(&args.report)?).map_err(broken)?;
+    let text = match value["format"].as_str() {
+        Some(FORMAT) => {
+            let report: Report = serde_json::from_value(value).map_err(broken)?;
+            match args.format {
+                Format::Markdown => markdown(&report),
+                Format::Csv => csv(&report),
+            }
+        }
+        Some(report::FORMAT) => {
+            let report: ExperimentReport = serde_json::from_value(value).map_err(broken)?;
+            match args.format {
+                Format::Markdown => experiment_markdown(&report),
+                Format::Csv => experiment_csv(&report),
+            }
+        }
+        other => {
+            let found = format!("format {other:?}; expected {FORMAT:?} or {:?}", report::FORMAT);
+            return Err(Failure::file(&args.report, found));
+        }
+    };
+    output::print(&text)
 }
 
 /// A column: its heading and a row's cell.
@@ -67,9 +85,23 @@ pub fn markdown(report: &Report) -> String {
     let mut lines: Vec<Vec<String>> =
         vec![COLUMNS.iter().map(|(name, _)| (*name).into()).collect()];
     lines.extend(report.rows.iter().map(|row| cells(row, report)));
+    let text = grid(&lines);
+    let (p, s) = (&report.provenance, &report.settings);
+    let seeds: Vec<String> = s.task_seeds.iter().map(u64::to_string).collect();
+    let seeds =
+        if seeds.is_empty() { String::new() } else { format!(", task seeds {}", seeds.join(", ")) };
+    text + &format!(
+        "\nProfile {}, {} steps, {} waypoints{seeds}. `{}`, commit {}, {:.0} s on {} ({} threads).\n",
+        s.profile, s.steps, s.waypoints, p.command, p.commit, p.seconds, p.processor, p.threads
+    )
+}
+
+/// Lines of cells as a Markdown table, the first line its heading.
+pub fn grid(lines: &[Vec<String>]) -> String {
+    let columns = lines.first().map_or(0, Vec::len);
     let width =
         |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..COLUMNS.len()).map(width).collect();
+    let widths: Vec<usize> = (0..columns).map(width).collect();
     let mut text = String::new();
     for (index, line) in lines.iter().enumerate() {
         let padded = line.iter().zip(&widths).map(|(cell, width)| format!(" {cell:width$} "));
@@ -79,14 +111,7 @@ pub fn markdown(report: &Report) -> String {
             text += &format!("|{}|\n", rules.collect::<Vec<_>>().join("|"));
         }
     }
-    let (p, s) = (&report.provenance, &report.settings);
-    let seeds: Vec<String> = s.task_seeds.iter().map(u64::to_string).collect();
-    let seeds =
-        if seeds.is_empty() { String::new() } else { format!(", task seeds {}", seeds.join(", ")) };
-    text + &format!(
-        "\nProfile {}, {} steps, {} waypoints{seeds}. `{}`, commit {}, {:.0} s on {} ({} threads).\n",
-        s.profile, s.steps, s.waypoints, p.command, p.commit, p.seconds, p.processor, p.threads
-    )
+    text
 }
 
 fn csv(report: &Report) -> String {

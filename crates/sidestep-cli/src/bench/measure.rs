@@ -103,8 +103,10 @@ pub fn row(
         success_by_group: shares,
         success_of_solvable: solved_solvable as f64 / solvable.max(1) as f64,
         contradictions,
-        iterations_mean: every.as_ref().and_then(|every| mean(&every.iterations)),
-        iterations_median: every.as_ref().and_then(|e| quantile(&mut e.iterations.clone(), 0.5)),
+        iterations_mean: every.as_ref().and_then(|every| mean(&every.solved_iterations())),
+        iterations_median: every
+            .as_ref()
+            .and_then(|every| quantile(&mut every.solved_iterations(), 0.5)),
         us_per_iteration: every.as_ref().map(|every| every.us_per_iteration),
         us_per_plan_median: quantile(&mut times, 0.5).unwrap_or_default(),
         us_per_plan_p95: quantile(&mut times, 0.95).unwrap_or_default(),
@@ -113,7 +115,8 @@ pub fn row(
     })
 }
 
-fn plans(
+/// Plans every task of a set as a user would.
+pub fn plans(
     set: &TaskSet,
     planner: &Planner,
     options: &Options,
@@ -169,29 +172,36 @@ fn times(
     })
 }
 
-/// Any-step and end-state figures.
-struct EveryIterate {
-    any: usize,
-    end: usize,
-    certified: usize,
-    /// First feasible iterate of each task that has one, the least over its starts.
-    iterations: Vec<f64>,
-    us_per_iteration: f64,
+/// Any-step and end-state figures over all tasks of several sets.
+pub struct EveryIterate {
+    /// Tasks feasible by the profile's check at any iterate of any start.
+    pub any: usize,
+    /// Tasks feasible by the profile's check at the last iterate of any start.
+    pub end: usize,
+    /// Tasks certified at any iterate of any start.
+    pub certified: usize,
+    /// First feasible iterate of each task, the least over its starts.
+    pub firsts: Vec<Option<usize>>,
+    /// Microseconds per iteration.
+    pub us_per_iteration: f64,
 }
 
-fn every_iterate(
+impl EveryIterate {
+    /// First feasible iterates of the tasks that have one.
+    pub fn solved_iterations(&self) -> Vec<f64> {
+        self.firsts.iter().flatten().map(|&first| first as f64).collect()
+    }
+}
+
+/// Runs every start of every task to the end; steps `bar` once per task.
+pub fn every_iterate(
     sets: &[TaskSet],
     method: &Method,
     options: &Options,
     bar: &ProgressBar,
 ) -> Result<EveryIterate, Failure> {
-    let mut every = EveryIterate {
-        any: 0,
-        end: 0,
-        certified: 0,
-        iterations: Vec::new(),
-        us_per_iteration: 0.0,
-    };
+    let mut every =
+        EveryIterate { any: 0, end: 0, certified: 0, firsts: Vec::new(), us_per_iteration: 0.0 };
     let (mut seconds, mut steps) = (0.0, 0);
     for set in sets {
         let run_one = |(index, task): (usize, &Task)| {
@@ -213,7 +223,7 @@ fn every_iterate(
             every.any += usize::from(first.is_some());
             every.end += usize::from(runs.iter().any(|run| run.feasible_at_end));
             every.certified += usize::from(runs.iter().any(|run| run.first_certified.is_some()));
-            every.iterations.extend(first.map(|index| index as f64));
+            every.firsts.push(first);
         }
     }
     every.us_per_iteration = seconds * 1e6 / steps.max(1) as f64;

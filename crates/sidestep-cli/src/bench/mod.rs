@@ -2,9 +2,9 @@
 //!
 //! Measuring ([`measure`]) never formats and rendering ([`crate::table`]) never measures.
 
-mod measure;
+pub mod measure;
 pub mod report;
-mod statistics;
+pub mod statistics;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -145,7 +145,8 @@ fn task_groups(args: &BenchArgs) -> Result<(String, Groups), Failure> {
     Ok((name, groups))
 }
 
-fn exact_answers(tasks: &[Task], bar: &indicatif::ProgressBar) -> Vec<Exact> {
+/// The exact search's answer to each task; steps `bar` once per task.
+pub fn exact_answers(tasks: &[Task], bar: &indicatif::ProgressBar) -> Vec<Exact> {
     tasks
         .par_iter()
         .map(|task| {

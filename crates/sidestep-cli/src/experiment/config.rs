@@ -1,0 +1,149 @@
+//! An experiment as data: which policies to train, on what to measure them, and the paper's numbers.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use sidestep_train::TrainConfig;
+
+use crate::failure::Failure;
+
+/// An experiment file.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Experiment {
+    /// Short name, such as `table-1`.
+    pub name: String,
+    /// What the table shows, for its caption.
+    pub title: String,
+    /// Seeds that each policy is trained with.
+    #[serde(default)]
+    pub training_seeds: Vec<u64>,
+    /// The measurements made of every policy and baseline.
+    pub measure: Vec<Measure>,
+    /// Training configuration that all policies share; unnamed values are the defaults.
+    #[serde(default)]
+    pub train: toml::Table,
+    /// The policies.
+    #[serde(default)]
+    pub policies: Vec<PolicyEntry>,
+    /// Planners that need no training.
+    #[serde(default)]
+    pub baselines: Vec<BaselineEntry>,
+}
+
+/// Tasks and starts to measure on.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measure {
+    /// Name of the measurement; the key of the paper's numbers.
+    pub name: String,
+    /// Suite.
+    pub suite: String,
+    /// Tasks per seed.
+    pub count: usize,
+    /// Task seeds.
+    pub seeds: Vec<u64>,
+    /// Optimizer steps per start.
+    #[serde(default = "default_steps")]
+    pub steps: usize,
+    /// Start trajectories.
+    #[serde(default = "default_starts")]
+    pub starts: usize,
+    /// How starts after the first are drawn.
+    #[serde(default = "default_strategy")]
+    pub start_strategy: String,
+    /// Profile of planners that have none of their own.
+    #[serde(default = "default_profile")]
+    pub profile: String,
+}
+
+fn default_steps() -> usize {
+    200
+}
+
+fn default_starts() -> usize {
+    1
+}
+
+fn default_strategy() -> String {
+    "via-point".into()
+}
+
+fn default_profile() -> String {
+    "paper".into()
+}
+
+/// A policy to train.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PolicyEntry {
+    /// Row of the table.
+    pub row: String,
+    /// Column of the table.
+    pub column: String,
+    /// Training configuration over the shared one.
+    #[serde(default)]
+    pub train: toml::Table,
+    /// The paper's percentage for each measurement that it has one for.
+    #[serde(default)]
+    pub paper: BTreeMap<String, f64>,
+}
+
+/// A planner that needs no training.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BaselineEntry {
+    /// Planner name as on the command line.
+    pub planner: String,
+    /// The paper's percentage for each measurement that it has one for.
+    #[serde(default)]
+    pub paper: BTreeMap<String, f64>,
+}
+
+impl Experiment {
+    /// Reads an experiment and checks that its parts fit.
+    pub fn read(text: &str) -> Result<Self, Failure> {
+        let experiment: Self = toml::from_str(text).map_err(|error| Failure(error.to_string()))?;
+        if experiment.measure.is_empty() {
+            return Err(Failure("measure: expected at least one measurement".into()));
+        }
+        if !experiment.policies.is_empty() && experiment.training_seeds.is_empty() {
+            return Err(Failure(
+                "training_seeds: expected at least one seed for the policies".into(),
+            ));
+        }
+        for measure in &experiment.measure {
+            if measure.count == 0 || measure.seeds.is_empty() {
+                return Err(Failure(format!("measure {}: needs count and seeds", measure.name)));
+            }
+        }
+        for entry in &experiment.policies {
+            experiment.train_config(entry, 0)?;
+        }
+        Ok(experiment)
+    }
+
+    /// The whole training configuration of a policy for a seed.
+    pub fn train_config(&self, entry: &PolicyEntry, seed: u64) -> Result<TrainConfig, Failure> {
+        let mut table = self.train.clone();
+        merge(&mut table, &entry.train);
+        let text = toml::to_string(&table).map_err(|error| Failure(error.to_string()))?;
+        let place = format!("policy {} / {}", entry.row, entry.column);
+        let mut config =
+            TrainConfig::from_toml(&text).map_err(|error| Failure::at(place, error))?;
+        config.seed = seed;
+        Ok(config)
+    }
+}
+
+/// Puts `over` into `base`, table by table.
+fn merge(base: &mut toml::Table, over: &toml::Table) {
+    for (key, value) in over {
+        match (base.get_mut(key), value) {
+            (Some(toml::Value::Table(base)), toml::Value::Table(over)) => merge(base, over),
+            _ => {
+                base.insert(key.clone(), value.clone());
+            }
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! `sidestep experiment`: trains and measures what a file names, and writes one report.
+//!
+//! Trainings run side by side, one per core, and are kept in the output folder: a run that was broken
+//! off goes on with those that are missing.
+
+pub mod config;
+pub mod report;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use clap::Args;
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use sidestep::optimizer::Method;
+use sidestep::plan::{Options, Planner};
+use sidestep::policy::Policy;
+use sidestep::profile::Profile;
+use sidestep::starts::StartStrategy;
+use sidestep::suite::Suite;
+use sidestep_train::Trainer;
+
+use crate::Global;
+use crate::bench::measure::{EveryIterate, Exact, TaskSet, every_iterate, plans};
+use crate::bench::{exact_answers, statistics::mean};
+use crate::failure::Failure;
+use crate::input::read_text;
+use crate::machine::Provenance;
+use crate::output;
+use crate::planning::{load_policy, planner};
+use crate::table;
+use config::{Experiment, Measure, PolicyEntry};
+use report::{Cell, ExperimentReport, FORMAT};
+
+/// Arguments of `experiment`.
+#[derive(Args)]
+pub struct ExperimentArgs {
+    /// Experiment file
+    experiment: PathBuf,
+    /// Folder for policies and the report [default: runs/NAME]
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+/// Trains, measures, writes `report.json` and prints its table.
+pub fn run(args: &ExperimentArgs, global: &Global) -> Result<(), Failure> {
+    let begin = Instant::now();
+    let experiment = Experiment::read(&read_text(&args.experiment)?)
+        .map_err(|Failure(message)| Failure::file(&args.experiment, message))?;
+    let folder = args.out.clone().unwrap_or_else(|| Path::new("runs").join(&experiment.name));
+    std::fs::create_dir_all(folder.join("policies"))
+        .map_err(|error| Failure::file(&folder, format!("cannot be made ({error})")))?;
+    let trained = train_all(&experiment, &folder, global.quiet)?;
+    let measures = prepare(&experiment.measure, global.quiet)?;
+    let mut cells = Vec::new();
+    let count = (trained.len() + experiment.baselines.len()) * measures.len();
+    let bar = output::progress("measuring", count as u64, global.quiet);
+    for (measure, options, sets) in &measures {
+        for (entry, policies) in experiment.policies.iter().zip(&trained) {
+            cells.push(policy_cell(entry, policies, measure, options, sets)?);
+            bar.inc(1);
+        }
+        for baseline in &experiment.baselines {
+            let paper = baseline.paper.get(&measure.name).copied();
+            cells.push(baseline_cell(&baseline.planner, paper, measure, options, sets)?);
+            bar.inc(1);
+        }
+    }
+    bar.finish_and_clear();
+    let provenance = Provenance::here(begin.elapsed().as_secs_f64());
+    let report = ExperimentReport { format: FORMAT.into(), provenance, experiment, cells };
+    output::write_json(&folder.join("report.json"), &report)?;
+    if global.json {
+        output::print_json(&report)
+    } else {
+        output::print(&table::experiment_markdown(&report))
+    }
+}
+
+/// One trained policy.
+struct Trained {
+    policy: Arc<Policy>,
+    seconds: f64,
+}
+
+/// Trains every policy for every seed, those that the folder lacks.
+fn train_all(
+    experiment: &Experiment,
+    folder: &Path,
+    quiet: bool,
+) -> Result<Vec<Vec<Trained>>, Failure> {
+    let jobs: Vec<(usize, u64)> = (0..experiment.policies.len())
+        .flat_map(|entry| experiment.training_seeds.iter().map(move |&seed| (entry, seed)))
+        .collect();
+    let bar = output::progress("training", jobs.len() as u64, quiet);
+    let mut trained: Vec<(usize, Trained)> = jobs
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|(index, seed)| {
+            let policy = train_one(experiment, &experiment.policies[index], seed, folder)?;
+            bar.inc(1);
+            Ok((index, policy))
+        })
+        .collect::<Result<_, Failure>>()?;
+    bar.finish_and_clear();
+    let mut grouped: Vec<Vec<Trained>> = experiment.policies.iter().map(|_| Vec::new()).collect();
+    for (index, policy) in trained.drain(..) {
+        grouped[index].push(policy);
+    }
+    Ok(grouped)
+}
+
+fn train_one(
+    experiment: &Experiment,
+    entry: &PolicyEntry,
+    seed: u64,
+    folder: &Path,
+) -> Result<Trained, Failure> {
+    let config = experiment.train_config(entry, seed)?;
+    let name = format!("{} {} seed {seed}", entry.row, entry.column).replace([' ', '/', ':'], "-");
+    let path = folder.join("policies").join(format!("{name}.safetensors"));
+    let seconds_path = path.with_extension("seconds");
+    if path.exists() {
+        let policy = load_policy(&path)?;
+        let known = &policy.card().training["config"];
+        if serde_json::to_value(&config).is_ok_and(|config| *known == config) {
+            let seconds = std::fs::read_to_string(&seconds_path).unwrap_or_default();
+            let seconds = seconds.trim().parse().unwrap_or(f64::NAN);
+            return Ok(Trained { policy: Arc::new(policy), seconds });
+        }
+    }
+    let begin = Instant::now();
+    let mut trainer = Trainer::new(config)?;
+    while trainer.step().map_err(|error| Failure::at(&name, error))?.is_some() {}
+    let seconds = begin.elapsed().as_secs_f64();
+    let policy = trainer.best_policy()?;
+    output::write_file(&seconds_path, format!("{seconds}\n").as_bytes())?;
+    output::write_file(&path, &policy.to_safetensors()?)?;
+    Ok(Trained { policy: Arc::new(policy), seconds })
+}
+
+type Prepared<'a> = (&'a Measure, Options, Vec<TaskSet>);
+
+/// Draws the tasks of every measurement.
+fn prepare(measures: &[Measure], quiet: bool) -> Result<Vec<Prepared<'_>>, Failure> {
+    let total: usize = measures.iter().map(|measure| measure.count * measure.seeds.len()).sum();
+    let bar = output::progress("tasks", total as u64, quiet);
+    let prepared = measures
+        .iter()
+        .map(|measure| {
+            let suite = Suite::named(&measure.suite)?;
+            let sets = measure
+                .seeds
+                .iter()
+                .map(|&seed| {
+                    let tasks = suite.generate(measure.count, seed, &Profile::PAPER);
+                    let exact = exact_answers(&tasks, &bar);
+                    TaskSet { label: format!("seed {seed}"), tasks, exact }
+                })
+                .collect();
+            let options = Options {
+                profile: Profile::named(&measure.profile)?,
+                steps: measure.steps,
+                starts: measure.starts,
+                strategy: StartStrategy::named(&measure.start_strategy)?,
+                ..Options::default()
+            };
+            Ok((measure, options, sets))
+        })
+        .collect();
+    bar.finish_and_clear();
+    prepared
+}
+
+fn blank(row: &str, column: &str, measure: &Measure, paper: Option<f64>) -> Cell {
+    Cell {
+        row: row.into(),
+        column: column.into(),
+        measure: measure.name.clone(),
+        paper,
+        any: Vec::new(),
+        end: Vec::new(),
+        certified: Vec::new(),
+        certified_of_solvable: Vec::new(),
+        iterations: Vec::new(),
+        us_per_iteration: Vec::new(),
+        training_seconds: Vec::new(),
+        kept_at_steps: Vec::new(),
+        time: Vec::new(),
+    }
+}
+
+fn push(cell: &mut Cell, every: &EveryIterate, sets: &[TaskSet]) {
+    let tasks: usize = sets.iter().map(|set| set.tasks.len()).sum();
+    let is_solvable = |exact: &&Exact| matches!(exact, Exact::Solvable { .. });
+    let solvable = sets.iter().flat_map(|set| &set.exact).filter(is_solvable).count();
+    cell.any.push(every.any as f64 / tasks as f64);
+    cell.end.push(every.end as f64 / tasks as f64);
+    cell.certified.push(every.certified as f64 / tasks as f64);
+    cell.certified_of_solvable.push(every.certified as f64 / solvable.max(1) as f64);
+    cell.iterations.extend(mean(&every.solved_iterations()));
+    cell.us_per_iteration.push(every.us_per_iteration);
+}
+
+fn policy_cell(
+    entry: &PolicyEntry,
+    policies: &[Trained],
+    measure: &Measure,
+    options: &Options,
+    sets: &[TaskSet],
+) -> Result<Cell, Failure> {
+    let paper = entry.paper.get(&measure.name).copied();
+    let mut cell = blank(&entry.row, &entry.column, measure, paper);
+    for Trained { policy, seconds } in policies {
+        let card = policy.card();
+        let options = Options {
+            profile: Profile::named(&card.profile)?,
+            waypoints: Some(card.waypoints),
+            ..options.clone()
+        };
+        let hidden = ProgressBar::hidden();
+        let method = Method::Learned(policy.clone());
+        let every = every_iterate(sets, &method, &options, &hidden)?;
+        push(&mut cell, &every, sets);
+        if measure.suite == "time" {
+            cell.time.push(shared_iterations(&every, &options, sets)?);
+        }
+        cell.training_seconds.push(*seconds);
+        cell.kept_at_steps.push(card.training["environment_steps"].as_u64().unwrap_or_default());
+    }
+    Ok(cell)
+}
+
+/// Iterations on the tasks that the policy and gradient descent (0.1) both solve within 100 steps.
+fn shared_iterations(
+    policy: &EveryIterate,
+    options: &Options,
+    sets: &[TaskSet],
+) -> Result<[f64; 3], Failure> {
+    let descent = |step| {
+        let method = Method::GradientDescent { step: Some(step) };
+        every_iterate(sets, &method, options, &ProgressBar::hidden())
+    };
+    let (slow, tuned) = (descent(0.1)?, descent(0.5)?);
+    let mut sums = [0.0; 3];
+    let mut counts = [0.0f64; 3];
+    for ((learned, slow), tuned) in policy.firsts.iter().zip(&slow.firsts).zip(&tuned.firsts) {
+        if learned.is_some_and(|k| k <= 100) && slow.is_some_and(|k| k <= 100) {
+            for (index, first) in [learned, slow, tuned].into_iter().enumerate() {
+                if let Some(first) = first {
+                    sums[index] += *first as f64;
+                    counts[index] += 1.0;
+                }
+            }
+        }
+    }
+    Ok([0, 1, 2].map(|index| sums[index] / counts[index].max(1.0)))
+}
+
+fn baseline_cell(
+    name: &str,
+    paper: Option<f64>,
+    measure: &Measure,
+    options: &Options,
+    sets: &[TaskSet],
+) -> Result<Cell, Failure> {
+    let planner = planner(name)?;
+    let mut cell = blank(name, "", measure, paper);
+    let hidden = ProgressBar::hidden();
+    for set in sets {
+        let set = std::slice::from_ref(set);
+        match &planner {
+            Planner::Optimizer(method) => {
+                push(&mut cell, &every_iterate(set, method, options, &hidden)?, set);
+            }
+            _ => {
+                let found = plans(&set[0], &planner, options, &hidden)?;
+                let certified =
+                    found.iter().filter(|p| p.status == sidestep::plan::Status::Solved).count();
+                let share = certified as f64 / found.len() as f64;
+                let is_solvable = |exact: &&Exact| matches!(exact, Exact::Solvable { .. });
+                let solvable = set[0].exact.iter().filter(is_solvable).count();
+                cell.any.push(share);
+                cell.end.push(share);
+                cell.certified.push(share);
+                cell.certified_of_solvable.push(certified as f64 / solvable.max(1) as f64);
+            }
+        }
+    }
+    Ok(cell)
+}
