@@ -7,6 +7,7 @@ pub mod benchmarks;
 mod error;
 mod json;
 pub mod movingai;
+pub mod picture;
 pub mod ros_map;
 pub mod task_json;
 

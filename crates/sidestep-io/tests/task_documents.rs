@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
 
 use serde_json::Value;
-use sidestep_io::{TaskFormat, read_tasks};
+use sidestep_io::{TaskFormat, read_tasks, write_tasks};
 
 /// What the schema and the reader make of a document.
 #[derive(Clone, Copy, PartialEq)]
@@ -217,6 +217,16 @@ fn faults_of_whole_files_are_placed() {
         let shown: String = text.chars().take(200).collect();
         assert!(error.contains(message), "{shown}\n     got: {error}\nexpected: {message}");
     }
+}
+
+/// The example at the repository's root is a task of the paper's kind, laid out as the writer does.
+#[test]
+fn the_example_is_canonical() {
+    let text = include_str!("../../../examples/rectangles.json");
+    let tasks = read_tasks(text, TaskFormat::Json).unwrap();
+    assert_eq!(tasks[0].world.obstacles().len(), 10);
+    assert_eq!(tasks[0].world.bounds().max, [64.0, 64.0]);
+    assert_eq!(write_tasks(&tasks, TaskFormat::Json), text);
 }
 
 /// A check of the draft 2020-12 keywords that our schema uses; any other keyword fails the test.

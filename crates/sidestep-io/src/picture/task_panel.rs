@@ -1,0 +1,302 @@
+//! A panel that shows a task's world from above, with trajectories in it.
+
+use sidestep::geometry::{Circle, Point, Rect};
+use sidestep::{Grid, Obstacle, Task, Trajectory, World};
+
+use super::canvas::{Canvas, Frame, Pixel, Shape, Stroke};
+use super::color::{Color, OBSTACLE, OBSTACLE_EDGE, SHADE, TEXT, WHITE, palette};
+use super::legend::{self, Entry, Mark};
+use super::outline;
+
+/// Samples of a shading along the longer side of the field.
+const SHADE_SAMPLES: f64 = 240.0;
+
+/// Levels that a shading is rounded to, so that its steps read as contour lines.
+const SHADE_LEVELS: f64 = 12.0;
+
+/// A drawn trajectory or trace.
+#[derive(Debug, Clone, PartialEq)]
+struct Layer {
+    label: String,
+    color: Color,
+    /// One trajectory; or the iterates of an optimizer, the earliest first.
+    trajectories: Vec<Trajectory>,
+    dashed: bool,
+    fan: bool,
+}
+
+/// Brightness values over the field, the top row first.
+#[derive(Debug, Clone, PartialEq)]
+struct Shading {
+    width: usize,
+    height: usize,
+    values: Vec<f64>,
+}
+
+/// A task's world from above: bounds, obstacles, grid, start and goal, and what was planned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TaskPanel {
+    pub(super) title: String,
+    task: Task,
+    layers: Vec<Layer>,
+    shading: Option<Shading>,
+    swept: bool,
+    colors_used: usize,
+}
+
+impl TaskPanel {
+    /// The task without any trajectory, titled by its name.
+    pub fn new(task: &Task) -> Self {
+        Self {
+            title: task.name.clone(),
+            task: task.clone(),
+            layers: Vec::new(),
+            shading: None,
+            swept: true,
+            colors_used: 0,
+        }
+    }
+
+    /// Another title; empty for none.
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    /// Draws a trajectory in the next colour of the palette.
+    pub fn path(self, label: impl Into<String>, trajectory: &Trajectory) -> Self {
+        let color = palette(self.colors_used);
+        self.path_in(label, trajectory, color)
+    }
+
+    /// Draws a trajectory in a colour of the caller's, say the planner's in every panel.
+    pub fn path_in(self, label: impl Into<String>, trajectory: &Trajectory, color: Color) -> Self {
+        self.layer(label.into(), color, vec![trajectory.clone()], false, false)
+    }
+
+    /// Draws a trajectory dashed, as one that was given up or is shown only to compare.
+    pub fn dashed_path(self, label: impl Into<String>, trajectory: &Trajectory) -> Self {
+        let color = palette(self.colors_used);
+        self.layer(label.into(), color, vec![trajectory.clone()], true, false)
+    }
+
+    /// Draws the iterates of an optimizer, the earliest first, fading from light to dark.
+    pub fn trace(self, label: impl Into<String>, iterates: &[Trajectory]) -> Self {
+        let color = palette(self.colors_used);
+        self.trace_in(label, iterates, color)
+    }
+
+    /// Draws the iterates of an optimizer in a colour of the caller's.
+    pub fn trace_in(self, label: impl Into<String>, iterates: &[Trajectory], color: Color) -> Self {
+        self.layer(label.into(), color, iterates.to_vec(), false, true)
+    }
+
+    /// Shades the free field by a value of each point, such as its distance to the obstacles: the
+    /// lowest value darkest, the highest nearly white, in steps that read as contour lines.
+    pub fn shade(mut self, value: impl Fn(Point) -> f64) -> Self {
+        let bounds = self.task.world.bounds();
+        let size = bounds.size();
+        let samples = |length: f64| (SHADE_SAMPLES * length / bounds.extent()).ceil().max(2.0);
+        let (width, height) = (samples(size[0]), samples(size[1]));
+        let (columns, rows) = (width as usize, height as usize);
+        let cell = [size[0] / width, size[1] / height];
+        let at = |i: usize| {
+            let (column, row) = ((i % columns) as f64, (i / columns) as f64);
+            let x = bounds.min[0] + (column + 0.5) * cell[0];
+            let y = bounds.max[1] - (row + 0.5) * cell[1];
+            // What lies under an obstacle has no part in the range of the shades.
+            if is_covered(&self.task.world, [x, y]) { f64::NAN } else { value([x, y]) }
+        };
+        let values = (0..columns * rows).map(at).collect();
+        self.shading = Some(Shading { width: columns, height: rows, values });
+        self
+    }
+
+    /// Leaves out the area that the robot's disc sweeps along each path.
+    pub fn without_sweep(mut self) -> Self {
+        self.swept = false;
+        self
+    }
+
+    fn layer(
+        mut self,
+        label: String,
+        color: Color,
+        trajectories: Vec<Trajectory>,
+        dashed: bool,
+        fan: bool,
+    ) -> Self {
+        self.layers.push(Layer { label, color, trajectories, dashed, fan });
+        self.colors_used += 1;
+        self
+    }
+
+    /// What the legend says.
+    pub(super) fn legend(&self) -> Vec<Entry> {
+        let mut entries = vec![
+            Entry { mark: Mark::Start, label: "start".into() },
+            Entry { mark: Mark::Goal, label: "goal".into() },
+        ];
+        for layer in self.layers.iter().filter(|layer| !layer.label.is_empty()) {
+            let (color, dashed) = (layer.color, layer.dashed);
+            let mark = if layer.fan { Mark::Fan { color } } else { Mark::Line { color, dashed } };
+            entries.push(Entry { mark, label: layer.label.clone() });
+        }
+        entries
+    }
+
+    /// Height of the drawing over its width.
+    pub(super) fn aspect(&self) -> f64 {
+        let [width, height] = self.task.world.bounds().size();
+        height / width
+    }
+
+    /// Draws the world into a frame of the world's aspect.
+    pub(super) fn draw(&self, canvas: &mut Canvas, frame: Frame) {
+        let world = &self.task.world;
+        let view = View { bounds: world.bounds(), frame };
+        canvas.clipped(frame, |canvas| {
+            if let Some(shading) = &self.shading {
+                canvas.shapes.push(shading.image(frame));
+            }
+            if let Some(grid) = world.grid() {
+                draw_grid(canvas, &view, grid);
+            }
+            for obstacle in world.obstacles() {
+                draw_obstacle(canvas, &view, obstacle);
+            }
+            // Over the obstacles, so that a collision shows.
+            for layer in self.layers.iter().filter(|layer| self.swept && !layer.fan) {
+                self.draw_sweep(canvas, &view, layer);
+            }
+            for layer in &self.layers {
+                draw_layer(canvas, &view, layer);
+            }
+        });
+        canvas.outline(frame.corners(), Stroke::new(OBSTACLE_EDGE, 2.5));
+        canvas.clipped(frame, |canvas| {
+            let radius = view.scale() * self.task.robot.radius();
+            for p in [self.task.start, self.task.goal] {
+                if radius > 4.0 {
+                    let stroke = Some(Stroke::new(TEXT.with_opacity(0.6), 1.0));
+                    let center = view.pixel(p);
+                    canvas.shapes.push(Shape::Circle { center, radius, fill: None, stroke });
+                }
+            }
+        });
+        // Last and not cut off: a start in a corner must be seen whole.
+        legend::draw_start(canvas, view.pixel(self.task.start));
+        legend::draw_goal(canvas, view.pixel(self.task.goal));
+    }
+
+    fn draw_sweep(&self, canvas: &mut Canvas, view: &View, layer: &Layer) {
+        let width = 2.0 * view.scale() * self.task.robot.radius();
+        if width > 0.0 {
+            for trajectory in &layer.trajectories {
+                let stroke = Stroke::new(layer.color.with_opacity(0.18), width);
+                canvas.line(view.pixels(trajectory.points()), stroke);
+            }
+        }
+    }
+}
+
+fn is_covered(world: &World, p: Point) -> bool {
+    let in_grid = world.grid().is_some_and(|grid| {
+        let (column, row) = grid.cell_of(p);
+        grid.is_occupied(column, row)
+    });
+    in_grid || world.obstacles().iter().any(|obstacle| obstacle.signed_distance(p) < 0.0)
+}
+
+fn draw_grid(canvas: &mut Canvas, view: &View, grid: &Grid) {
+    let corner = |&(column, row): &(u32, u32)| {
+        view.pixel(grid.cell_rect(i64::from(column), i64::from(row)).min)
+    };
+    let rings = outline::rings(grid);
+    let rings: Vec<Vec<Pixel>> =
+        rings.iter().map(|ring| ring.iter().map(corner).collect()).collect();
+    canvas.shapes.push(Shape::Area { rings: rings.clone(), fill: OBSTACLE });
+    // The edges of cells about as small as a pixel would only blur the map.
+    if grid.resolution() * view.scale() >= 1.5 {
+        for ring in rings {
+            canvas.outline(ring, Stroke::new(OBSTACLE_EDGE, 1.0));
+        }
+    }
+}
+
+fn draw_obstacle(canvas: &mut Canvas, view: &View, obstacle: &Obstacle) {
+    let edge = Stroke::new(OBSTACLE_EDGE, 1.0);
+    let corners = match obstacle {
+        Obstacle::Circle(Circle { center, radius }) => {
+            canvas.shapes.push(Shape::Circle {
+                center: view.pixel(*center),
+                radius: radius * view.scale(),
+                fill: Some(OBSTACLE),
+                stroke: Some(edge),
+            });
+            return;
+        }
+        Obstacle::Rect(rect) => view.pixels(&rect.corners()),
+        Obstacle::Polygon(polygon) => view.pixels(polygon.vertices()),
+    };
+    canvas.area(corners.clone(), OBSTACLE);
+    canvas.outline(corners, edge);
+}
+
+fn draw_layer(canvas: &mut Canvas, view: &View, layer: &Layer) {
+    let last = layer.trajectories.len().saturating_sub(1);
+    for (i, trajectory) in layer.trajectories.iter().enumerate() {
+        let points = view.pixels(trajectory.points());
+        if layer.fan {
+            let age = i as f64 / last.max(1) as f64;
+            let opacity = if i == last { 1.0 } else { 0.12 + 0.5 * age };
+            let width = if i == last { 2.5 } else { 1.25 };
+            canvas.line(points, Stroke::new(layer.color.with_opacity(opacity), width));
+        } else {
+            // A white rim keeps the line legible where it crosses an obstacle or another line.
+            canvas.line(points.clone(), Stroke::new(WHITE.with_opacity(0.85), 4.5));
+            let stroke = Stroke::new(layer.color, 2.5);
+            canvas.line(points, if layer.dashed { stroke.dashed() } else { stroke });
+        }
+    }
+}
+
+/// From task units, y upwards, to pixels, y downwards.
+struct View {
+    bounds: Rect,
+    frame: Frame,
+}
+
+impl View {
+    fn scale(&self) -> f64 {
+        self.frame.width / self.bounds.size()[0]
+    }
+
+    fn pixel(&self, p: Point) -> Pixel {
+        [
+            self.frame.x + (p[0] - self.bounds.min[0]) * self.scale(),
+            self.frame.y + (self.bounds.max[1] - p[1]) * self.scale(),
+        ]
+    }
+
+    /// The finite ones of some points.
+    fn pixels(&self, points: &[Point]) -> Vec<Pixel> {
+        let finite = points.iter().filter(|p| p[0].is_finite() && p[1].is_finite());
+        finite.map(|&p| self.pixel(p)).collect()
+    }
+}
+
+impl Shading {
+    fn image(&self, frame: Frame) -> Shape {
+        let finite = || self.values.iter().copied().filter(|value| value.is_finite());
+        let low = finite().fold(f64::INFINITY, f64::min);
+        let high = finite().fold(f64::NEG_INFINITY, f64::max);
+        let color = |&value: &f64| {
+            let t = if high > low { (value - low) / (high - low) } else { 1.0 };
+            let level = (t * SHADE_LEVELS).floor().min(SHADE_LEVELS - 1.0) / (SHADE_LEVELS - 1.0);
+            SHADE[0].mix(SHADE[1], if level.is_nan() { 0.0 } else { level }).rgb
+        };
+        let rgb = self.values.iter().map(color).collect();
+        Shape::Image { frame, width: self.width, height: self.height, rgb }
+    }
+}
