@@ -102,7 +102,8 @@ impl Axis {
             Scale::Linear => (value - self.low) / (self.high - self.low),
             Scale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
         };
-        fraction.is_finite().then_some(fraction)
+        // Far outside is far enough: the pixels must stay finite too.
+        fraction.is_finite().then_some(fraction.clamp(-1e3, 1e3))
     }
 
     /// The fraction of a value, held inside the axis; for the feet of bars and the ends of bands.
