@@ -69,6 +69,8 @@ pub struct NetworkConfig {
 pub struct EnvironmentConfig {
     /// Factor mu on the reward of the step that finds a feasible trajectory.
     pub mu: f32,
+    /// Added to that reward; 0 in the paper. It makes success matter more than U.
+    pub feasible_bonus: f32,
     /// Normalised units per unit of the network's output.
     pub action_scale: f32,
     /// Largest update of a coordinate, in normalised units (1 is 10 px of the paper's field).
@@ -128,6 +130,7 @@ impl Default for EnvironmentConfig {
     fn default() -> Self {
         Self {
             mu: 0.1,
+            feasible_bonus: 0.0,
             action_scale: 1.0,
             action_limit: 1.0,
             keep_inside: true,

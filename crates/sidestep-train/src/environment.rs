@@ -3,7 +3,7 @@
 //! - state: the waypoints of a trajectory of one task; it begins as the straight line;
 //! - observation: what the core's [`Encoder`] writes, in the paper the gradient of U;
 //! - action: an update of the waypoints, clipped and applied by the core's [`ActionRule`];
-//! - reward: -U of the new trajectory, or -mu U if that is feasible;
+//! - reward: -U of the new trajectory, or bonus - mu U if that is feasible (the paper: no bonus);
 //! - end: at the first feasible step. There is no time limit unless one is set: what is not solved goes on
 //!   over the next update. A time limit *truncates*: the value of the last observation stands in for the rest.
 //!
@@ -60,6 +60,8 @@ pub struct Rules {
     pub action: ActionRule,
     /// Factor mu on the reward of a feasible step.
     pub mu: f32,
+    /// Added to the reward of a feasible step.
+    pub feasible_bonus: f32,
     /// Steps after which an episode is cut off; `None` for never.
     pub episode_limit: Option<u32>,
 }
@@ -150,9 +152,10 @@ impl Environment {
         self.age += 1;
         let cost = self.problem.observe(&self.x, &mut self.gradient, &mut self.observation);
         let solved = self.problem.objective.is_feasible(&self.x);
-        let factor = if solved { rules.mu } else { 1.0 };
+        let reward =
+            if solved { rules.feasible_bonus - rules.mu * cost.total } else { -cost.total };
         let truncated = !solved && rules.episode_limit.is_some_and(|limit| self.age >= limit);
-        Outcome { reward: -factor * cost.total, solved, truncated, age: self.age }
+        Outcome { reward, solved, truncated, age: self.age }
     }
 
     /// Begins the next episode, on the next of its tasks out of `problems`, with `count` environments in all.

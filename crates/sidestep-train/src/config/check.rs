@@ -72,7 +72,12 @@ impl Setup {
             limit: environment.action_limit,
             keep_inside: environment.keep_inside,
         };
-        let rules = Rules { action, mu: environment.mu, episode_limit: environment.episode_limit };
+        let rules = Rules {
+            action,
+            mu: environment.mu,
+            feasible_bonus: environment.feasible_bonus,
+            episode_limit: environment.episode_limit,
+        };
         Ok(Self { config, profile, parts, observation, training, validation, starts, rules })
     }
 }
@@ -107,6 +112,7 @@ fn check_numbers(config: &TrainConfig) -> Result<(), InvalidInput> {
     within("training.count", training.count, 1..=1_000_000)?;
     within("network.hidden", network.hidden, 1..=4096)?;
     within("environment.mu", environment.mu, 0.0..=1000.0)?;
+    within("environment.feasible_bonus", environment.feasible_bonus, 0.0..=1000.0)?;
     above_zero("environment.action_scale", f64::from(environment.action_scale), 1e6)?;
     above_zero("environment.action_limit", f64::from(environment.action_limit), 1e6)?;
     within("environment.episode_limit", environment.episode_limit.unwrap_or(1), 1..=u32::MAX)?;
