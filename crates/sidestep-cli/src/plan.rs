@@ -214,7 +214,7 @@ fn answer(
 
 /// The answer in a few lines.
 fn describe(answer: &Answer) -> String {
-    let mut text = format!("{}", answer.status);
+    let mut text = answer.status.to_string();
     if !answer.reason.is_empty() {
         text += &format!(": {}", answer.reason);
     }

@@ -134,7 +134,7 @@ mod tests {
         ) {
             let task = mixed_task(index);
             let scene = Arc::new(Scene::new(&task.world, task.robot, &Profile::DEFAULT));
-            let mut objective = Objective::new(&task, scene.clone(), 10).unwrap();
+            let objective = Objective::new(&task, scene.clone(), 10).unwrap();
             let mut x = vec![0.0; 20];
             objective.straight_line(&mut x);
             x.iter_mut().zip(&offsets).for_each(|(x, o)| *x += o);

@@ -1,7 +1,7 @@
 //! Signed distance fields in normalised units, positive in free space.
 //!
 //! A [`Field`] answers distance and gradient for a block of points at once. Shapes are exact
-//! ([`shapes`]), grids and the paper's profile are images ([`image`]); the bounds are walls.
+//! (`shapes`), grids and the paper's profile are images (`image`); the bounds are walls.
 
 mod boundary;
 mod image;

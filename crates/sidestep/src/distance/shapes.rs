@@ -43,7 +43,7 @@ impl Side {
     fn offset(&self, x: f32, y: f32) -> [f32; 2] {
         let (rx, ry) = (x - self.from[0], y - self.from[1]);
         let t = (rx * self.direction[0] + ry * self.direction[1]) * self.inverse_square;
-        let t = t.max(0.0).min(1.0);
+        let t = t.clamp(0.0, 1.0);
         [rx - t * self.direction[0], ry - t * self.direction[1]]
     }
 }
@@ -95,7 +95,7 @@ impl SegmentLanes {
             for l in 0..LANES {
                 let (rx, ry) = (x - from_x[l], y - from_y[l]);
                 let t = (rx * direction_x[l] + ry * direction_y[l]) * inverse_square[l];
-                let t = t.max(0.0).min(1.0);
+                let t = t.clamp(0.0, 1.0);
                 let (ox, oy) = (rx - t * direction_x[l], ry - t * direction_y[l]);
                 let square = ox * ox + oy * oy;
                 let nearer = square < best[l];

@@ -2,13 +2,13 @@
 //!
 //! Each kernel is one generic `#[inline(always)]` body `fn body<const ISA: u8>(...)` in plain safe
 //! Rust wherever that is fast enough. `dispatch!` compiles it for AVX-512, for AVX2 + FMA and for
-//! the target's baseline, and picks by an [`Isa`] token, which only exists for instruction sets
+//! the target's baseline, and picks by an `Isa` token, which only exists for instruction sets
 //! that this machine has.
 //!
 //! **Bits.** Rust never reorders or contracts float arithmetic, so a body gives the same bits on
-//! AVX-512 and AVX2, however it is vectorised, as long as it multiplies and adds through [`madd`] and
+//! AVX-512 and AVX2, however it is vectorised, as long as it multiplies and adds through `madd` and
 //! does not let `ISA` change the order of a sum. Sums therefore use a fixed lane structure: `[f32; LANES]`
-//! accumulators folded by [`lane_sum`]. The portable build rounds the product (no `fma` instruction)
+//! accumulators folded by `lane_sum`. The portable build rounds the product (no `fma` instruction)
 //! and differs in the last bits; on aarch64 fused multiply-add is part of the baseline, so it agrees.
 //!
 //! `-C target-cpu=native` for the whole program was measured 1.3-3.5 times slower; hence dispatch.
