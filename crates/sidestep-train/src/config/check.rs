@@ -99,8 +99,12 @@ fn within<T: PartialOrd + Display>(
 }
 
 /// A number in (0, `most`].
-fn above_zero(field: &str, value: f64, most: f64) -> Result<(), InvalidInput> {
-    if value > 0.0 && value <= most {
+fn above_zero<T: Copy + Into<f64> + Display>(
+    field: &str,
+    value: T,
+    most: f64,
+) -> Result<(), InvalidInput> {
+    if value.into() > 0.0 && value.into() <= most {
         return Ok(());
     }
     Err(InvalidInput::new(field, value, format!("a number above 0 and up to {most}")))
@@ -113,12 +117,12 @@ fn check_numbers(config: &TrainConfig) -> Result<(), InvalidInput> {
     within("network.hidden", network.hidden, 1..=4096)?;
     within("environment.mu", environment.mu, 0.0..=1000.0)?;
     within("environment.feasible_bonus", environment.feasible_bonus, 0.0..=1000.0)?;
-    above_zero("environment.action_scale", f64::from(environment.action_scale), 1e6)?;
-    above_zero("environment.action_limit", f64::from(environment.action_limit), 1e6)?;
+    above_zero("environment.action_scale", environment.action_scale, 1e6)?;
+    above_zero("environment.action_limit", environment.action_limit, 1e6)?;
     within("environment.episode_limit", environment.episode_limit.unwrap_or(1), 1..=u32::MAX)?;
     within("cloning.epochs", cloning.epochs, 0..=1_000_000)?;
     within("cloning.samples_per_task", cloning.samples_per_task, 1..=1_000_000)?;
-    above_zero("cloning.step", f64::from(cloning.step), 1000.0)?;
+    above_zero("cloning.step", cloning.step, 1000.0)?;
     within("cloning.minibatch", cloning.minibatch, 1..=1_000_000)?;
     above_zero("cloning.learning_rate", cloning.learning_rate, 1000.0)?;
     within("ppo.environments", ppo.environments, 1..=1_000_000)?;
@@ -130,8 +134,8 @@ fn check_numbers(config: &TrainConfig) -> Result<(), InvalidInput> {
     within("ppo.epochs", ppo.epochs, 1..=1000)?;
     within("ppo.entropy", ppo.entropy, 0.0..=1000.0)?;
     within("ppo.value", ppo.value, 0.0..=1000.0)?;
-    above_zero("ppo.max_gradient_norm", f64::from(ppo.max_gradient_norm), 1e6)?;
-    above_zero("ppo.clip", f64::from(ppo.clip), 1.0)?;
+    above_zero("ppo.max_gradient_norm", ppo.max_gradient_norm, 1e6)?;
+    above_zero("ppo.clip", ppo.clip, 1.0)?;
     above_zero("ppo.target_kl", ppo.target_kl.unwrap_or(1.0), 1000.0)?;
     within("ppo.initial_log_std", ppo.initial_log_std, -10.0..=3.0)?;
     within("validation.count", validation.count, 0..=100_000)?;
