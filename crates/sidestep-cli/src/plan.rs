@@ -46,6 +46,9 @@ pub struct PlanArgs {
     /// Planner, as NAME[:key=value,...]
     #[arg(long, default_value = "auto")]
     planner: String,
+    /// Planners to draw beside the first, each in a panel of its own
+    #[arg(long)]
+    compare: Vec<String>,
     #[command(flatten)]
     planning: PlanningArgs,
     /// Use the whole budget and keep the best certified plan, instead of the first
@@ -117,8 +120,45 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<ExitCode, Failure> {
         return Err(Failure::at("--index", format!("{} of {count} tasks, from 0", args.index)));
     }
     let task = tasks.swap_remove(args.index);
-    let planner_choice = planner(&args.planner)?;
-    let mut options = args.planning.options(task.world.bounds().extent(), &[&planner_choice])?;
+    let attempt = attempt(args, &task, &args.planner)?;
+    if args.png.is_some() || args.svg.is_some() {
+        let others: Vec<Attempt> = args
+            .compare
+            .iter()
+            .map(|name| self::attempt(args, &task, name))
+            .collect::<Result<_, Failure>>()?;
+        draw::pictures(args, &task, std::iter::once(&attempt).chain(&others))?;
+    }
+    let status = attempt.plan.status.clone();
+    let answer = answer(args, &task, attempt);
+    if let Some(path) = &args.out {
+        output::write_json(path, &answer)?;
+    }
+    if global.json {
+        output::print_json(&answer)?;
+    } else {
+        output::print(&describe(&answer))?;
+    }
+    Ok(match status {
+        Status::Solved => ExitCode::SUCCESS,
+        Status::Invalid(_) => ExitCode::from(2),
+        Status::Unsolved(_) | Status::Unsolvable(_) => ExitCode::from(1),
+    })
+}
+
+/// What one planner did.
+pub struct Attempt {
+    planner: String,
+    scene: Arc<Scene>,
+    plan: Plan,
+    time: Duration,
+    trace: Vec<Step>,
+}
+
+/// Plans the task with the planner of that name.
+fn attempt(args: &PlanArgs, task: &Task, name: &str) -> Result<Attempt, Failure> {
+    let planner = planner(name)?;
+    let mut options = args.planning.options(task.world.bounds().extent(), &[&planner])?;
     options.prove = true;
     if args.best || args.budget_ms.is_some() {
         options.stop = Stop::Best;
@@ -132,7 +172,6 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<ExitCode, Failure> {
         }
         ms => ms.map(|ms| Duration::from_secs_f64(ms / 1e3)),
     };
-
     let trace = Mutex::new(Vec::new());
     let begin = Instant::now();
     let scene = Arc::new(Scene::new(&task.world, task.robot, &options.profile));
@@ -140,33 +179,18 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<ExitCode, Failure> {
         if args.trace
             && let Ok(mut steps) = trace.lock()
         {
-            steps.push(step(&scene, &task, iteration));
+            steps.push(step(&scene, task, iteration));
         }
         match budget {
             Some(budget) if begin.elapsed() >= budget => ControlFlow::Break(()),
             _ => ControlFlow::Continue(()),
         }
     };
-    let plan = plan_in(&scene, &task, &planner_choice, &options, &watch)?;
+    let plan = plan_in(&scene, task, &planner, &options, &watch)?;
     let time = begin.elapsed();
-
-    let mut steps = trace.into_inner().unwrap_or_default();
-    steps.sort_by_key(|step| (step.start, step.iteration));
-    draw::pictures(args, &task, &scene, &plan, &steps)?;
-    let answer = answer(args, &task, &scene, &plan, time, steps);
-    if let Some(path) = &args.out {
-        output::write_json(path, &answer)?;
-    }
-    if global.json {
-        output::print_json(&answer)?;
-    } else {
-        output::print(&describe(&answer))?;
-    }
-    Ok(match plan.status {
-        Status::Solved => ExitCode::SUCCESS,
-        Status::Invalid(_) => ExitCode::from(2),
-        Status::Unsolved(_) | Status::Unsolvable(_) => ExitCode::from(1),
-    })
+    let mut trace = trace.into_inner().unwrap_or_default();
+    trace.sort_by_key(|step| (step.start, step.iteration));
+    Ok(Attempt { planner: name.into(), scene, plan, time, trace })
 }
 
 /// An iterate in task units.
@@ -183,14 +207,8 @@ fn step(scene: &Scene, task: &Task, iteration: &Iteration<'_>) -> Step {
     }
 }
 
-fn answer(
-    args: &PlanArgs,
-    task: &Task,
-    scene: &Scene,
-    plan: &Plan,
-    time: Duration,
-    steps: Vec<Step>,
-) -> Answer {
+fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> Answer {
+    let Attempt { planner, scene, plan, time, trace } = attempt;
     let solved = plan.status == Status::Solved;
     let optimal =
         || ShortestPath::new(&task.world, task.robot).find(task.start, task.goal).length();
@@ -199,7 +217,7 @@ fn answer(
         status: plan.status.name(),
         reason: plan.status.reason(),
         task: task.name.clone(),
-        planner: args.planner.clone(),
+        planner,
         origin: plan.origin.to_string(),
         iterations: plan.steps,
         time_us: time.as_secs_f64() * 1e6,
@@ -208,7 +226,7 @@ fn answer(
         clearance: path.filter(|_| solved).map(|path| scene.certifier().clearance(path)),
         certified: solved,
         waypoints: path.map_or_else(Vec::new, |path| path.points().to_vec()),
-        trace: args.trace.then_some(steps),
+        trace: args.trace.then_some(trace),
     }
 }
 

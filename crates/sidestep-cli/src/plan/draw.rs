@@ -1,12 +1,11 @@
 //! The pictures of `plan`: the task, the plan, the shortest path to compare, and the trace.
 
-use sidestep::objective::Scene;
-use sidestep::plan::{Plan, Status};
+use sidestep::plan::Status;
 use sidestep::shortest_path::{Route, ShortestPath};
 use sidestep::{Task, Trajectory};
 use sidestep_io::picture::{Picture, TaskPanel};
 
-use super::{PlanArgs, Step};
+use super::{Attempt, PlanArgs, Step};
 use crate::failure::Failure;
 use crate::output;
 
@@ -15,18 +14,15 @@ const MOST_ITERATES: usize = 40;
 /// Pixels per unit of a picture.
 const PNG_SCALE: f64 = 2.0;
 
-/// Draws what the arguments ask for.
-pub fn pictures(
+/// Draws what the arguments ask for, a panel for each attempt.
+pub fn pictures<'a>(
     args: &PlanArgs,
     task: &Task,
-    scene: &Scene,
-    plan: &Plan,
-    steps: &[Step],
+    attempts: impl Iterator<Item = &'a Attempt>,
 ) -> Result<(), Failure> {
-    if args.png.is_none() && args.svg.is_none() {
-        return Ok(());
-    }
-    let picture = Picture::new().panel(panel(args, task, scene, plan, steps));
+    let shortest = ShortestPath::new(&task.world, task.robot).find(task.start, task.goal);
+    let panels = attempts.map(|attempt| panel(task, attempt, &shortest));
+    let picture = panels.fold(Picture::new(), |picture, panel| picture.panel(panel));
     if let Some(path) = &args.svg {
         output::write_file(path, picture.to_svg().as_bytes())?;
     }
@@ -37,11 +33,15 @@ pub fn pictures(
     Ok(())
 }
 
-fn panel(args: &PlanArgs, task: &Task, scene: &Scene, plan: &Plan, steps: &[Step]) -> TaskPanel {
+fn panel(task: &Task, attempt: &Attempt, shortest: &Route) -> TaskPanel {
+    let Attempt { planner, scene, plan, trace: steps, .. } = attempt;
     let (frame, field) = (scene.frame(), scene.field());
-    let title = if task.name.is_empty() { args.planner.clone() } else { task.name.clone() };
+    // A policy is named by its file.
+    let name = planner.rsplit('/').next().unwrap_or(planner);
+    let name =
+        if planner.starts_with("learned:") { format!("learned: {name}") } else { planner.clone() };
     let mut panel = TaskPanel::new(task)
-        .title(format!("{title}: {}", plan.status.name()))
+        .title(format!("{name}: {}", plan.status.name()))
         .shade(|p| f64::from(field.at(frame.to_normalised(p)).0).min(1.0));
     if !steps.is_empty() {
         let first: Vec<&Step> = steps.iter().filter(|step| step.start == steps[0].start).collect();
@@ -55,13 +55,12 @@ fn panel(args: &PlanArgs, task: &Task, scene: &Scene, plan: &Plan, steps: &[Step
     }
     if let Some(path) = &plan.trajectory {
         panel = match plan.status {
-            Status::Solved => panel.path(args.planner.clone(), path),
-            _ => panel.dashed_path(format!("{} (not certified)", args.planner), path),
+            Status::Solved => panel.path(name, path),
+            _ => panel.dashed_path(format!("{name} (not certified)"), path),
         };
     }
-    let route = ShortestPath::new(&task.world, task.robot).find(task.start, task.goal);
-    if let Route::Found { trajectory, .. } = route {
-        panel = panel.dashed_path("shortest path", &trajectory);
+    if let Route::Found { trajectory, .. } = shortest {
+        panel = panel.dashed_path("shortest path", trajectory);
     }
     panel
 }
