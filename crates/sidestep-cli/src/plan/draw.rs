@@ -37,7 +37,7 @@ fn panel(task: &Task, attempt: &Attempt, shortest: &Route) -> TaskPanel {
     let Attempt { planner, scene, plan, trace: steps, .. } = attempt;
     let (frame, field) = (scene.frame(), scene.field());
     // A policy is named by its file.
-    let name = planner.rsplit('/').next().unwrap_or(planner);
+    let name = planner.trim_end_matches(".safetensors").rsplit('/').next().unwrap_or(planner);
     let name =
         if planner.starts_with("learned:") { format!("learned: {name}") } else { planner.clone() };
     let mut panel = TaskPanel::new(task)
