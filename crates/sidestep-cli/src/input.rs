@@ -3,46 +3,65 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use clap::Args;
 use sidestep::geometry::Point;
+use sidestep::queries::random_queries;
 use sidestep::{Robot, Task, World};
+use sidestep_io::benchmarks::{barn, mpnet::Simple2d};
 use sidestep_io::{TaskFormat, grid_world, movingai, read_tasks, ros_map};
 
 use crate::failure::Failure;
 
-/// What a command line says about the task beside the file.
-#[derive(Debug, Clone, Default)]
-pub struct Overrides {
-    /// Start in place of the file's.
-    pub start: Option<Point>,
-    /// Goal in place of the file's.
-    pub goal: Option<Point>,
-    /// A disc of this radius in place of the file's robot.
-    pub robot_radius: Option<f64>,
-    /// Treat unknown cells of a ROS map as free.
-    pub unknown_is_free: bool,
+/// What a command line says about tasks beside their file.
+#[derive(Args, Debug, Clone, Default)]
+pub struct InputArgs {
+    /// A disc robot of this radius in place of the file's, in task units [default for BARN worlds:
+    /// 0.333, the disc around a Clearpath Jackal]
+    #[arg(long)]
+    robot_radius: Option<f64>,
+    /// Treat unknown cells of a ROS map as free
+    #[arg(long)]
+    unknown_is_free: bool,
+    /// Ask a map alone this many questions, start and goal drawn by --seed where the robot may stand
+    #[arg(long, value_name = "N")]
+    random_queries: Option<usize>,
 }
 
-/// Reads the tasks of a file: task `.json` or `.jsonl`, MovingAI `.map` or `.scen`, or a ROS map
-/// `.yaml`. A map alone is one task, whose start and goal come from the command line.
-pub fn read(path: &Path, overrides: &Overrides) -> Result<Vec<Task>, Failure> {
-    let robot = Robot::disc(overrides.robot_radius.unwrap_or(0.0))?;
+/// Most random queries of one file.
+const MOST_QUERIES: usize = 1_000_000;
+
+/// Reads the tasks of a file: task `.json` or `.jsonl`, BARN worlds `.json`, MovingAI `.map` or
+/// `.scen`, a ROS map `.yaml`, or MPNet worlds `.dat`. A map alone is one task, whose start and goal
+/// come from the command line, or random queries. `seed` draws what the file leaves open.
+pub fn read(
+    path: &Path,
+    args: &InputArgs,
+    ends: (Option<Point>, Option<Point>),
+    seed: u64,
+) -> Result<Vec<Task>, Failure> {
+    let robot = Robot::disc(args.robot_radius.unwrap_or(0.0))?;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    let map = |world| map_tasks(path, world, robot, args, ends, seed);
     let mut tasks = match extension.as_str() {
-        "json" | "jsonl" | "ndjson" => read_task_file(path)?,
+        "json" | "jsonl" | "ndjson" => read_json(path, args)?,
         "scen" => read_scenario(path, robot)?,
-        "map" => vec![map_task(path, movingai_world(path)?, robot, overrides)?],
-        "yaml" | "yml" => vec![map_task(path, ros_world(path, overrides)?, robot, overrides)?],
+        "map" => map(movingai_world(path)?)?,
+        "yaml" | "yml" => map(ros_world(path, args)?)?,
+        "dat" => read_mpnet(path, robot, seed)?,
         _ => {
-            let known = "a name that ends in .json, .jsonl, .map, .scen, .yaml or .yml";
+            let known = "a name that ends in .json, .jsonl, .map, .scen, .yaml, .yml or .dat";
             return Err(Failure::file(path, format!("unknown kind of file; expected {known}")));
         }
     };
+    if args.random_queries.is_some() && !matches!(extension.as_str(), "map" | "yaml" | "yml") {
+        let only = "--random-queries: only a map (.map, .yaml) has none of its own";
+        return Err(Failure::file(path, only));
+    }
     for task in &mut tasks {
-        if overrides.robot_radius.is_some() {
+        if args.robot_radius.is_some() {
             task.robot = robot;
         }
-        let start = overrides.start.unwrap_or(task.start);
-        let goal = overrides.goal.unwrap_or(task.goal);
+        let (start, goal) = (ends.0.unwrap_or(task.start), ends.1.unwrap_or(task.goal));
         *task = Task::new(task.name.clone(), task.world.clone(), task.robot, start, goal)?;
     }
     if tasks.is_empty() {
@@ -61,11 +80,29 @@ pub fn read_text(path: &Path) -> Result<String, Failure> {
         .map_err(|error| Failure::file(path, format!("is not UTF-8 text ({error})")))
 }
 
-fn read_task_file(path: &Path) -> Result<Vec<Task>, Failure> {
-    let name = path.to_string_lossy();
-    let format = TaskFormat::from_file_name(&name)
+/// Tasks in our own format, or BARN worlds.
+fn read_json(path: &Path, args: &InputArgs) -> Result<Vec<Task>, Failure> {
+    let text = read_text(path)?;
+    if barn::is_barn(&text) {
+        let radius = args.robot_radius.unwrap_or(barn::JACKAL_RADIUS);
+        return barn::read(&text, radius).map_err(|error| Failure::file(path, error));
+    }
+    let format = TaskFormat::from_file_name(&path.to_string_lossy())
         .ok_or_else(|| Failure::file(path, "unknown kind of task file"))?;
-    read_tasks(&read_text(path)?, format).map_err(|error| Failure::file(path, error))
+    read_tasks(&text, format).map_err(|error| Failure::file(path, error))
+}
+
+/// MPNet's Simple2D: the worlds' file, with the blocks' file `obs.dat` beside it.
+fn read_mpnet(path: &Path, robot: Robot, seed: u64) -> Result<Vec<Task>, Failure> {
+    let blocks = path.with_file_name("obs.dat");
+    if path == blocks {
+        let need = "holds MPNet's blocks only; give the worlds' file, obs_perm2.dat, beside it";
+        return Err(Failure::file(path, need));
+    }
+    let worlds = Simple2d::read(&read_bytes(&blocks)?, &read_bytes(path)?)
+        .map_err(|error| Failure::file(path, error))?;
+    let task = |index| worlds.task(index, robot, seed).map_err(|error| Failure::file(path, error));
+    (0..worlds.len()).map(task).collect()
 }
 
 fn movingai_world(path: &Path) -> Result<Arc<World>, Failure> {
@@ -95,29 +132,41 @@ fn read_scenario(path: &Path, robot: Robot) -> Result<Vec<Task>, Failure> {
     Ok(tasks)
 }
 
-fn ros_world(path: &Path, overrides: &Overrides) -> Result<Arc<World>, Failure> {
+fn ros_world(path: &Path, args: &InputArgs) -> Result<Arc<World>, Failure> {
     let unknown =
-        if overrides.unknown_is_free { ros_map::Unknown::Free } else { ros_map::Unknown::Occupied };
+        if args.unknown_is_free { ros_map::Unknown::Free } else { ros_map::Unknown::Occupied };
     let load = |image: &str| std::fs::read(path.parent().unwrap_or(Path::new("")).join(image));
     let grid = ros_map::read(&read_text(path)?, unknown, load)
         .map_err(|error| Failure::file(path, error))?;
     Ok(grid_world(grid))
 }
 
-fn map_task(
+fn map_tasks(
     path: &Path,
     world: Arc<World>,
     robot: Robot,
-    overrides: &Overrides,
-) -> Result<Task, Failure> {
-    let (Some(start), Some(goal)) = (overrides.start, overrides.goal) else {
-        let bounds = world.bounds();
-        let range = format!("{:?} to {:?}", bounds.min, bounds.max);
-        let need = "a map has no start and goal: give --start X,Y and --goal X,Y";
-        return Err(Failure::file(path, format!("{need} within {range}")));
-    };
+    args: &InputArgs,
+    ends: (Option<Point>, Option<Point>),
+    seed: u64,
+) -> Result<Vec<Task>, Failure> {
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Task::new(name, world, robot, start, goal)?)
+    match (args.random_queries, ends) {
+        (Some(count @ 1..=MOST_QUERIES), _) => {
+            Ok(random_queries(&name, &world, robot, count, seed)?)
+        }
+        (Some(count), _) => {
+            let allowed = format!("{count} is not a number from 1 to {MOST_QUERIES}");
+            Err(Failure::at("--random-queries", allowed))
+        }
+        (None, (Some(start), Some(goal))) => Ok(vec![Task::new(name, world, robot, start, goal)?]),
+        (None, _) => {
+            let bounds = world.bounds();
+            let range = format!("{:?} to {:?}", bounds.min, bounds.max);
+            let need = "a map has no start and goal: give --start X,Y and --goal X,Y";
+            let or = "or --random-queries N";
+            Err(Failure::file(path, format!("{need} within {range}, {or}")))
+        }
+    }
 }
 
 /// Parses `X,Y`.

@@ -6,21 +6,24 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 use sidestep::Task;
+use sidestep::plan::by_world;
 use sidestep::shortest_path::{Route, ShortestPath};
 
 use crate::Global;
 use crate::failure::Failure;
-use crate::input::{self, Overrides};
+use crate::input::{self, InputArgs};
 use crate::output;
 
 /// Arguments of `oracle`.
 #[derive(Args)]
 pub struct OracleArgs {
-    /// Task .json or .jsonl, or MovingAI .scen
+    /// Task .json or .jsonl, MovingAI .map or .scen, ROS map .yaml, BARN worlds .json, MPNet worlds .dat
     tasks: PathBuf,
-    /// A disc robot of this radius in place of the file's
-    #[arg(long)]
-    robot_radius: Option<f64>,
+    #[command(flatten)]
+    from: InputArgs,
+    /// Seed of what a file of worlds leaves open
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
 }
 
 /// The exact answer to one task.
@@ -37,15 +40,17 @@ struct Answer {
 
 /// Answers every task.
 pub fn run(args: &OracleArgs, global: &Global) -> Result<(), Failure> {
-    let overrides = Overrides { robot_radius: args.robot_radius, ..Overrides::default() };
-    let tasks = input::read(&args.tasks, &overrides)?;
+    let tasks = input::read(&args.tasks, &args.from, (None, None), args.seed)?;
     let bar = output::progress("exact shortest paths", tasks.len() as u64, global.quiet);
-    let answers: Vec<Answer> = tasks
-        .par_iter()
-        .map(|task| {
-            let answer = answer(task);
-            bar.inc(1);
-            answer
+    let answers: Vec<Answer> = by_world(&tasks)
+        .into_par_iter()
+        .flat_map(|(_, tasks)| {
+            let exact = ShortestPath::new(&tasks[0].world, tasks[0].robot);
+            tasks.par_iter().map_with(exact, |exact, task| {
+                let answer = answer(exact, task);
+                bar.inc(1);
+                answer
+            })
         })
         .collect();
     bar.finish_and_clear();
@@ -62,9 +67,9 @@ pub fn run(args: &OracleArgs, global: &Global) -> Result<(), Failure> {
     output::print(&text)
 }
 
-fn answer(task: &Task) -> Answer {
+fn answer(exact: &mut ShortestPath, task: &Task) -> Answer {
     let name = task.name.clone();
-    match ShortestPath::new(&task.world, task.robot).find(task.start, task.goal) {
+    match exact.find(task.start, task.goal) {
         Route::Found { trajectory, length, lower_bound } => Answer {
             name,
             answer: "solvable",

@@ -12,12 +12,11 @@ use sidestep::geometry::Point;
 use sidestep::objective::Scene;
 use sidestep::plan::{Plan, Status, Stop, plan_in};
 use sidestep::run::Iteration;
-use sidestep::shortest_path::ShortestPath;
 use sidestep::{Task, Trajectory};
 
 use crate::Global;
 use crate::failure::Failure;
-use crate::input::{self, Overrides, parse_point};
+use crate::input::{self, InputArgs, parse_point};
 use crate::output;
 use crate::planning::{PlanningArgs, planner};
 
@@ -26,7 +25,7 @@ mod draw;
 /// Arguments of `plan`.
 #[derive(Args)]
 pub struct PlanArgs {
-    /// Task .json or .jsonl, MovingAI .map or .scen, or ROS map .yaml
+    /// Task .json or .jsonl, MovingAI .map or .scen, ROS map .yaml, BARN worlds .json, MPNet worlds .dat
     input: PathBuf,
     /// Which task of the file, from 0
     #[arg(long, default_value_t = 0)]
@@ -37,12 +36,8 @@ pub struct PlanArgs {
     /// Goal in place of the file's
     #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
     goal: Option<Point>,
-    /// A disc robot of this radius in place of the file's, in task units
-    #[arg(long)]
-    robot_radius: Option<f64>,
-    /// Treat unknown cells of a ROS map as free
-    #[arg(long)]
-    unknown_is_free: bool,
+    #[command(flatten)]
+    from: InputArgs,
     /// Planner, as NAME[:key=value,...]
     #[arg(long, default_value = "auto")]
     planner: String,
@@ -108,13 +103,8 @@ pub struct Step {
 
 /// Plans, prints and draws.
 pub fn run(args: &PlanArgs, global: &Global) -> Result<ExitCode, Failure> {
-    let overrides = Overrides {
-        start: args.start,
-        goal: args.goal,
-        robot_radius: args.robot_radius,
-        unknown_is_free: args.unknown_is_free,
-    };
-    let mut tasks = input::read(&args.input, &overrides)?;
+    let ends = (args.start, args.goal);
+    let mut tasks = input::read(&args.input, &args.from, ends, args.planning.seed)?;
     if args.index >= tasks.len() {
         let count = tasks.len();
         return Err(Failure::at("--index", format!("{} of {count} tasks, from 0", args.index)));
@@ -174,7 +164,7 @@ fn attempt(args: &PlanArgs, task: &Task, name: &str) -> Result<Attempt, Failure>
     };
     let trace = Mutex::new(Vec::new());
     let begin = Instant::now();
-    let scene = Arc::new(Scene::new(&task.world, task.robot, &options.profile));
+    let scene = Arc::new(Scene::of(&task, &options.profile));
     let watch = |iteration: &Iteration<'_>| {
         if args.trace
             && let Ok(mut steps) = trace.lock()
@@ -210,8 +200,7 @@ fn step(scene: &Scene, task: &Task, iteration: &Iteration<'_>) -> Step {
 fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> Answer {
     let Attempt { planner, scene, plan, time, trace } = attempt;
     let solved = plan.status == Status::Solved;
-    let optimal =
-        || ShortestPath::new(&task.world, task.robot).find(task.start, task.goal).length();
+    let optimal = || scene.shortest_path().find(task.start, task.goal).length();
     let path = plan.trajectory.as_ref();
     Answer {
         status: plan.status.name(),

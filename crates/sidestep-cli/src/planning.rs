@@ -35,9 +35,9 @@ pub struct PlanningArgs {
     /// Distance under which closeness to obstacles costs, in task units [default: a 6.4th of the field]
     #[arg(long)]
     clearance: Option<f64>,
-    /// Seed of random starts and random planners
+    /// Seed of random starts, random planners and what a file of worlds leaves open
     #[arg(long, default_value_t = 0)]
-    seed: u64,
+    pub seed: u64,
 }
 
 impl PlanningArgs {

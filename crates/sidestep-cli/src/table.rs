@@ -57,10 +57,13 @@ pub fn run(args: &TableArgs) -> Result<(), Failure> {
     output::print(&text)
 }
 
+/// The cell of a figure that there is not.
+const NOTHING: &str = "-";
+
 /// A column: its heading and a row's cell.
 type Column = (&'static str, fn(&Row, &Report) -> String);
 
-const COLUMNS: [Column; 14] = [
+const COLUMNS: [Column; 15] = [
     ("planner", |row, _| format!("`{}`", row.planner)),
     ("suite", |row, _| row.suite.clone()),
     ("starts", |row, _| row.starts.to_string()),
@@ -77,6 +80,7 @@ const COLUMNS: [Column; 14] = [
     ("us/iteration", |row, _| number(row.us_per_iteration, 2)),
     ("us/plan p50", |row, _| number(Some(row.us_per_plan_median), 1)),
     ("us/plan p95", |row, _| number(Some(row.us_per_plan_p95), 1)),
+    ("us/world", |row, _| number(row.us_per_world_median, 0)),
     ("length/optimal", |row, _| number(row.length_ratio_median, 3)),
 ];
 
@@ -85,6 +89,14 @@ pub fn markdown(report: &Report) -> String {
     let mut lines: Vec<Vec<String>> =
         vec![COLUMNS.iter().map(|(name, _)| (*name).into()).collect()];
     lines.extend(report.rows.iter().map(|row| cells(row, report)));
+    // Columns in which no row has anything are left out.
+    let used: Vec<bool> = (0..COLUMNS.len())
+        .map(|column| lines[1..].iter().any(|line| line[column] != NOTHING))
+        .collect();
+    for line in &mut lines {
+        let mut used = used.iter();
+        line.retain(|_| used.next() == Some(&true));
+    }
     let text = grid(&lines);
     let (p, s) = (&report.provenance, &report.settings);
     let seeds: Vec<String> = s.task_seeds.iter().map(u64::to_string).collect();
@@ -140,7 +152,7 @@ fn percent(share: Option<f64>) -> String {
 }
 
 fn number(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(|| "-".into(), |value| format!("{value:.digits$}"))
+    value.map_or_else(|| NOTHING.into(), |value| format!("{value:.digits$}"))
 }
 
 /// The paper's gradient descent rows: (suite, starts, percent), from its tables I and III.

@@ -97,7 +97,7 @@ fn prepare_scene(bencher: divan::Bencher, name: &str) {
     let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
     bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
         for task in &tasks {
-            divan::black_box(Scene::new(&task.world, task.robot, &profile));
+            divan::black_box(Scene::of(task, &profile).field());
         }
     });
 }

@@ -19,6 +19,7 @@ pub mod plan;
 pub mod planner_name;
 pub mod policy;
 pub mod profile;
+pub mod queries;
 pub mod rng;
 mod robot;
 pub mod rrt_connect;

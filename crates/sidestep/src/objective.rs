@@ -8,7 +8,7 @@
 //! Substep j of a segment lies at t = j / (S + 1), so its gradient goes to the segment's end points
 //! with weights 1 - t and t. All lengths are in normalised units ([`crate::profile`]).
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::certificate::Certifier;
 use crate::distance::{Field, LANES, Samples};
@@ -18,24 +18,29 @@ use crate::kernels::{Isa, dispatch};
 use crate::profile::{Averaging, Feasibility, Frame, MAX_WAYPOINTS, Profile};
 use crate::robot::Robot;
 use crate::sampled_check::SampledCheck;
+use crate::shortest_path::ShortestPath;
 use crate::task::Task;
 use crate::trajectory::Trajectory;
 use crate::world::World;
 
-/// All that a world, a robot and a profile determine, shared by every task and start in it.
+/// All that a world, a robot and a profile determine, shared by every task and start in it. What
+/// only some planners use is prepared when it is first asked for.
 #[derive(Debug)]
 pub struct Scene {
+    world: Arc<World>,
+    robot: Robot,
     profile: Profile,
     frame: Frame,
     field_size: [f32; 2],
-    field: Field,
+    field: OnceLock<Field>,
     sampled: Option<SampledCheck>,
     certifier: Certifier,
+    exact: OnceLock<ShortestPath>,
 }
 
 impl Scene {
-    /// Prepares distances and checks.
-    pub fn new(world: &World, robot: Robot, profile: &Profile) -> Self {
+    /// Prepares the checks.
+    pub fn new(world: &Arc<World>, robot: Robot, profile: &Profile) -> Self {
         let frame = profile.frame(world.bounds());
         let sampled = match profile.feasibility {
             Feasibility::Sampled { substeps } => {
@@ -44,13 +49,21 @@ impl Scene {
             Feasibility::Exact => None,
         };
         Self {
-            field: Field::new(world, robot, profile),
-            certifier: Certifier::new(world, robot),
+            world: world.clone(),
+            robot,
             profile: profile.clone(),
             frame,
             field_size: world.bounds().size().map(|side| (side / frame.scale) as f32),
+            field: OnceLock::new(),
             sampled,
+            certifier: Certifier::new(world, robot),
+            exact: OnceLock::new(),
         }
+    }
+
+    /// The scene of a task's world and robot.
+    pub fn of(task: &Task, profile: &Profile) -> Self {
+        Self::new(&task.world, task.robot, profile)
     }
 
     /// The profile that the scene was built for.
@@ -70,7 +83,12 @@ impl Scene {
 
     /// The signed distance field.
     pub fn field(&self) -> &Field {
-        &self.field
+        self.field.get_or_init(|| Field::new(&self.world, self.robot, &self.profile))
+    }
+
+    /// The exact search; what it prepares is shared by all that ask for it.
+    pub fn shortest_path(&self) -> ShortestPath {
+        self.exact.get_or_init(|| ShortestPath::of(self.certifier.clone())).clone()
     }
 
     /// The exact certificate.
@@ -130,6 +148,8 @@ impl Objective {
                 format!("a number from 1 to {MAX_WAYPOINTS}"),
             ));
         }
+        // Prepared here, so that no iteration pays for it.
+        scene.field();
         let substeps = scene.profile.substeps;
         let period = substeps + 1;
         let points = (waypoints + 1) * period - 1;
@@ -281,7 +301,7 @@ fn evaluate_body<const ISA: u8>(
     let waypoints = x.as_chunks::<2>().0;
     buffers.place_points(*start, waypoints, *goal);
     let points = (waypoints.len() + 1) * (profile.substeps + 1) - 1;
-    scene.field.sample(&buffers.x, &buffers.y, points, &mut buffers.samples);
+    scene.field().sample(&buffers.x, &buffers.y, points, &mut buffers.samples);
     let obstacle = buffers.costs_and_slopes(
         profile.epsilon as f32,
         profile.obstacle_gradient_factor as f32,

@@ -18,7 +18,7 @@ use crate::profile::Profile;
 use crate::rng::{Purpose, stream};
 use crate::rrt_connect::{RrtConnect, RrtRun};
 use crate::run::{Iteration, Run, Until, run};
-use crate::shortest_path::{Doubt, Proof, Route, ShortestPath};
+use crate::shortest_path::{Doubt, Proof, Route};
 use crate::starts::{StartStrategy, polyline};
 use crate::task::Task;
 use crate::trajectory::Trajectory;
@@ -221,21 +221,12 @@ pub type Watch<'a> = &'a (dyn Fn(&Iteration<'_>) -> ControlFlow<()> + Sync);
 /// # Errors
 /// If an option is out of range or a learned policy does not fit the task.
 pub fn plan(task: &Task, planner: &Planner, options: &Options) -> Result<Plan, InvalidInput> {
-    // Planners that need no objective are spared its distance field.
-    match planner {
-        Planner::ShortestPath => Ok(shortest(task)),
-        Planner::RrtConnect(rrt) => {
-            Ok(tree(&Certifier::new(&task.world, task.robot), task, rrt, options))
-        }
-        Planner::Optimizer(_) | Planner::Auto(_) => {
-            let scene = Arc::new(Scene::new(&task.world, task.robot, &options.profile));
-            plan_in(&scene, task, planner, options, &|_| ControlFlow::Continue(()))
-        }
-    }
+    let scene = Arc::new(Scene::of(task, &options.profile));
+    plan_in(&scene, task, planner, options, &|_| ControlFlow::Continue(()))
 }
 
 /// Plans many tasks on all cores; task i draws from stream i. Results do not depend on the number
-/// of threads.
+/// of threads, nor on whether neighbours share a world.
 ///
 /// # Errors
 /// As [`plan()`], for the first task that has one.
@@ -244,13 +235,30 @@ pub fn plan_batch(
     planner: &Planner,
     options: &Options,
 ) -> Result<Vec<Plan>, InvalidInput> {
-    tasks
-        .par_iter()
-        .enumerate()
-        .map(|(index, task)| {
-            plan(task, planner, &Options { index: index as u64, ..options.clone() })
+    let plans: Result<Vec<Vec<Plan>>, _> = by_world(tasks)
+        .into_par_iter()
+        .map(|(first, neighbours)| {
+            let scene = Arc::new(Scene::of(&neighbours[0], &options.profile));
+            let plan_one = |(offset, task)| {
+                let options = Options { index: (first + offset) as u64, ..options.clone() };
+                plan_in(&scene, task, planner, &options, &|_| ControlFlow::Continue(()))
+            };
+            neighbours.par_iter().enumerate().map(plan_one).collect()
         })
-        .collect()
+        .collect();
+    Ok(plans?.into_iter().flatten().collect())
+}
+
+/// The runs of neighbouring tasks that have a world and a robot in common, and so a [`Scene`], each
+/// with the index of its first task.
+pub fn by_world(tasks: &[Task]) -> Vec<(usize, &[Task])> {
+    let mut first = 0;
+    let runs = tasks.chunk_by(|a, b| Arc::ptr_eq(&a.world, &b.world) && a.robot == b.robot);
+    runs.map(|run| {
+        first += run.len();
+        (first - run.len(), run)
+    })
+    .collect()
 }
 
 /// Plans one task in a scene that was prepared for its world and robot and the options' profile.
@@ -274,13 +282,13 @@ pub fn plan_in(
             if plan.status == Status::Solved || !options.prove {
                 return Ok(plan);
             }
-            Ok(match ShortestPath::new(&task.world, task.robot).find(task.start, task.goal) {
+            Ok(match scene.shortest_path().find(task.start, task.goal) {
                 Route::Unsolvable(proof) => Plan { status: Status::Unsolvable(proof), ..plan },
                 _ => plan,
             })
         }
         Planner::RrtConnect(rrt) => Ok(tree(scene.certifier(), task, rrt, options)),
-        Planner::ShortestPath => Ok(shortest(task)),
+        Planner::ShortestPath => Ok(shortest(scene, task)),
         Planner::Auto(method) => auto(scene, task, method, options, watch),
     }
 }
@@ -407,8 +415,8 @@ fn resample(objective: &Objective, trajectory: &Trajectory, x: &mut [f32]) {
     polyline(&corners, x.as_chunks_mut::<2>().0);
 }
 
-fn shortest(task: &Task) -> Plan {
-    let route = ShortestPath::new(&task.world, task.robot).find(task.start, task.goal);
+fn shortest(scene: &Scene, task: &Task) -> Plan {
+    let route = scene.shortest_path().find(task.start, task.goal);
     let (status, trajectory) = match route {
         Route::Found { trajectory, .. } => (Status::Solved, Some(trajectory)),
         Route::Unsolvable(Proof::End(violation)) => (Status::Invalid(violation), None),
@@ -446,7 +454,7 @@ fn auto(
     if from_line.status == Status::Solved {
         return Ok(from_line);
     }
-    let exact = shortest(task);
+    let exact = shortest(scene, task);
     let Some(route) = exact.trajectory.as_ref().filter(|_| exact.status == Status::Solved) else {
         let trajectory = from_line.trajectory;
         return Ok(Plan { trajectory, ..exact });

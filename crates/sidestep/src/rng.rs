@@ -24,6 +24,8 @@ pub enum Purpose {
     Shuffle = 6,
     /// Drawing of imitation data.
     Imitation = 7,
+    /// Drawing starts and goals on a map.
+    Query = 8,
 }
 
 /// The stream for a purpose, numbered by `index` (a task) and `sub` (a start, an environment).

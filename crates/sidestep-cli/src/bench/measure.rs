@@ -12,10 +12,10 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 use sidestep::objective::{Objective, Scene};
 use sidestep::optimizer::{Method, Optimizer};
-use sidestep::plan::{Options, Plan, Planner, Status, plan};
+use sidestep::plan::{Options, Plan, Planner, Status, by_world, plan_in};
 use sidestep::rng::{Purpose, stream};
 use sidestep::run::{Run, Until, run};
-use sidestep::{Task, Trajectory};
+use sidestep::{InvalidInput, Task, Trajectory};
 
 use super::report::Row;
 use super::statistics::{mean, quantile, student_interval, wilson_interval};
@@ -108,8 +108,9 @@ pub fn row(
             .as_ref()
             .and_then(|every| quantile(&mut every.solved_iterations(), 0.5)),
         us_per_iteration: every.as_ref().map(|every| every.us_per_iteration),
-        us_per_plan_median: quantile(&mut times, 0.5).unwrap_or_default(),
-        us_per_plan_p95: quantile(&mut times, 0.95).unwrap_or_default(),
+        us_per_plan_median: quantile(&mut times.plans, 0.5).unwrap_or_default(),
+        us_per_plan_p95: quantile(&mut times.plans, 0.95).unwrap_or_default(),
+        us_per_world_median: quantile(&mut times.worlds, 0.5),
         length_ratio_median: quantile(&mut ratios, 0.5),
         roughness_median: quantile(&mut roughness, 0.5),
     })
@@ -122,13 +123,42 @@ pub fn plans(
     options: &Options,
     bar: &ProgressBar,
 ) -> Result<Vec<Plan>, Failure> {
-    let plan_one = |(index, task): (usize, &Task)| {
-        let outcome = plan(task, planner, &Options { index: index as u64, ..options.clone() });
+    let plan_one = |scene: &Arc<Scene>, index: usize, task: &Task| {
+        let outcome = plan_indexed(scene, index, task, planner, options);
         bar.inc(1);
         outcome
     };
-    let plans: Result<_, _> = set.tasks.par_iter().enumerate().map(plan_one).collect();
-    plans.map_err(|error| Failure::at(&set.label, error))
+    in_scenes(set, options, plan_one)
+}
+
+/// Calls `work` with every task, its index and its scene, on all cores.
+fn in_scenes<T: Send>(
+    set: &TaskSet,
+    options: &Options,
+    work: impl Fn(&Arc<Scene>, usize, &Task) -> Result<T, InvalidInput> + Sync,
+) -> Result<Vec<T>, Failure> {
+    let outcomes: Result<Vec<Vec<T>>, _> = by_world(&set.tasks)
+        .into_par_iter()
+        .map(|(first, tasks)| {
+            let scene = Arc::new(Scene::of(&tasks[0], &options.profile));
+            let work = |(offset, task)| work(&scene, first + offset, task);
+            tasks.par_iter().enumerate().map(work).collect()
+        })
+        .collect();
+    let outcomes = outcomes.map_err(|error| Failure::at(&set.label, error))?;
+    Ok(outcomes.into_iter().flatten().collect())
+}
+
+/// Plans the task of that index, which is the number of its random stream.
+fn plan_indexed(
+    scene: &Arc<Scene>,
+    index: usize,
+    task: &Task,
+    planner: &Planner,
+    options: &Options,
+) -> Result<Plan, InvalidInput> {
+    let options = Options { index: index as u64, ..options.clone() };
+    plan_in(scene, task, planner, &options, &|_| ControlFlow::Continue(()))
 }
 
 /// A figure of each certified plan whose optimal length is known and not 0.
@@ -146,26 +176,47 @@ fn quality<'a>(
         .collect()
 }
 
-/// Seconds per plan of the first `timed` tasks of each set, one after the other, in microseconds.
+/// Microseconds on one thread.
+#[derive(Default)]
+struct Times {
+    /// From task to answer, of each task. Where tasks share a world, without what they share.
+    plans: Vec<f64>,
+    /// What the tasks of a world share: the first answer there less the same answer again.
+    worlds: Vec<f64>,
+}
+
+/// Times the first `timed` tasks of each set, one after the other.
 fn times(
     sets: &[TaskSet],
     planner: &Planner,
     options: &Options,
     timed: usize,
-) -> Result<Vec<f64>, Failure> {
+) -> Result<Times, Failure> {
     // One thread: planning must not spread its starts over the cores.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .build()
         .map_err(|error| Failure::at("threads", error))?;
     pool.install(|| {
-        let mut times = Vec::new();
+        let mut times = Times::default();
         for set in sets {
-            for (index, task) in set.tasks.iter().take(timed).enumerate() {
-                let options = Options { index: index as u64, ..options.clone() };
+            for (first, tasks) in by_world(&set.tasks[..timed.min(set.tasks.len())]) {
                 let begin = Instant::now();
-                std::hint::black_box(plan(task, planner, &options)?);
-                times.push(begin.elapsed().as_secs_f64() * 1e6);
+                let scene = Arc::new(Scene::of(&tasks[0], &options.profile));
+                std::hint::black_box(plan_indexed(&scene, first, &tasks[0], planner, options)?);
+                let cold = begin.elapsed().as_secs_f64() * 1e6;
+                if tasks.len() == 1 {
+                    times.plans.push(cold);
+                    continue;
+                }
+                let before = times.plans.len();
+                for (offset, task) in tasks.iter().enumerate() {
+                    let begin = Instant::now();
+                    let index = first + offset;
+                    std::hint::black_box(plan_indexed(&scene, index, task, planner, options)?);
+                    times.plans.push(begin.elapsed().as_secs_f64() * 1e6);
+                }
+                times.worlds.push((cold - times.plans[before]).max(0.0));
             }
         }
         Ok(times)
@@ -204,18 +255,12 @@ pub fn every_iterate(
         EveryIterate { any: 0, end: 0, certified: 0, firsts: Vec::new(), us_per_iteration: 0.0 };
     let (mut seconds, mut steps) = (0.0, 0);
     for set in sets {
-        let run_one = |(index, task): (usize, &Task)| {
-            let outcome = all_starts(task, index as u64, method, options);
+        let run_one = |scene: &Arc<Scene>, index: usize, task: &Task| {
+            let outcome = all_starts(scene, task, index as u64, method, options);
             bar.inc(1);
             outcome
         };
-        let runs: Vec<(Vec<Run>, f64)> = set
-            .tasks
-            .par_iter()
-            .enumerate()
-            .map(run_one)
-            .collect::<Result<_, sidestep::InvalidInput>>()
-            .map_err(|error| Failure::at(&set.label, error))?;
+        let runs: Vec<(Vec<Run>, f64)> = in_scenes(set, options, run_one)?;
         for (runs, spent) in runs {
             seconds += spent;
             steps += runs.iter().map(|run| run.steps).sum::<usize>();
@@ -232,14 +277,14 @@ pub fn every_iterate(
 
 /// Runs every start to the end, and the seconds that the iterations took.
 fn all_starts(
+    scene: &Arc<Scene>,
     task: &Task,
     index: u64,
     method: &Method,
     options: &Options,
-) -> Result<(Vec<Run>, f64), sidestep::InvalidInput> {
-    let scene = Arc::new(Scene::new(&task.world, task.robot, &options.profile));
+) -> Result<(Vec<Run>, f64), InvalidInput> {
     let waypoints = options.waypoints.unwrap_or(options.profile.waypoints);
-    let mut objective = Objective::new(task, scene, waypoints)?;
+    let mut objective = Objective::new(task, scene.clone(), waypoints)?;
     let mut x = vec![0.0; objective.dim()];
     let mut seconds = 0.0;
     let mut runs = Vec::with_capacity(options.starts);

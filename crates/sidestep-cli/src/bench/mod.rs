@@ -12,14 +12,14 @@ use std::time::Instant;
 use clap::Args;
 use rayon::prelude::*;
 use sidestep::Task;
-use sidestep::plan::Options;
+use sidestep::plan::{Options, by_world};
 use sidestep::profile::Profile;
 use sidestep::shortest_path::{Route, ShortestPath};
 use sidestep::suite::Suite;
 
 use crate::Global;
 use crate::failure::Failure;
-use crate::input::{self, Overrides};
+use crate::input::{self, InputArgs};
 use crate::machine::Provenance;
 use crate::output;
 use crate::planning::{PlanningArgs, planner};
@@ -39,15 +39,20 @@ pub struct BenchArgs {
     /// Task seeds of the suite
     #[arg(long, value_delimiter = ',', default_values_t = [2, 12, 22, 32, 42])]
     seeds: Vec<u64>,
-    /// Task files in place of a suite
+    /// Files in place of a suite: tasks, maps and worlds as `plan` reads them
     #[arg(long, num_args = 1..)]
     tasks: Vec<PathBuf>,
-    /// Use at most this many tasks of each file
+    /// Use at most this many tasks of each file, the first ones
     #[arg(long)]
     limit: Option<usize>,
-    /// A disc robot of this radius in place of the files'
-    #[arg(long)]
-    robot_radius: Option<f64>,
+    /// Take the tasks of --limit evenly from the whole file
+    #[arg(long, requires = "limit")]
+    spread: bool,
+    /// A row for each file instead of one over all
+    #[arg(long, requires = "tasks")]
+    by_file: bool,
+    #[command(flatten)]
+    from: InputArgs,
     /// Planner, as NAME[:key=value,...]; may be given several times
     #[arg(long, required = true)]
     planner: Vec<String>,
@@ -64,7 +69,7 @@ pub struct BenchArgs {
 /// Measures and prints.
 pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
     let begin = Instant::now();
-    let (name, groups) = task_groups(args)?;
+    let groups = task_groups(args)?;
     let extent = groups[0].1[0].world.bounds().extent();
     let planners: Vec<_> = args
         .planner
@@ -83,11 +88,21 @@ pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
         })
         .collect();
     bar.finish_and_clear();
+    let labels: Vec<String> = sets.iter().map(|set| set.label.clone()).collect();
+    let all = labels.join(", ");
+    let parts: Vec<(&str, &[TaskSet])> = match &args.suite {
+        _ if args.by_file => labels.iter().map(String::as_str).zip(sets.chunks(1)).collect(),
+        Some(suite) => vec![(suite, &sets)],
+        None => vec![(&all, &sets)],
+    };
     let mut rows = Vec::new();
-    for (planner_name, planner) in &planners {
-        let bar = output::progress(planner_name, 2 * total, global.quiet);
-        rows.push(measure::row(planner_name, planner, &name, &sets, &options, args.timed, &bar)?);
-        bar.finish_and_clear();
+    for (name, sets) in parts {
+        for (planner_name, planner) in &planners {
+            let total = sets.iter().map(|set| set.tasks.len() as u64).sum::<u64>();
+            let bar = output::progress(planner_name, 2 * total, global.quiet);
+            rows.push(measure::row(planner_name, planner, name, sets, &options, args.timed, &bar)?);
+            bar.finish_and_clear();
+        }
     }
     let report = Report {
         format: report::FORMAT.into(),
@@ -115,8 +130,8 @@ fn settings(args: &BenchArgs, options: &Options) -> report::Settings {
 
 type Groups = Vec<(String, Vec<Task>)>;
 
-/// The name of the whole and its groups: one per seed or file.
-fn task_groups(args: &BenchArgs) -> Result<(String, Groups), Failure> {
+/// One group per seed or file.
+fn task_groups(args: &BenchArgs) -> Result<Groups, Failure> {
     let groups: Groups = match &args.suite {
         Some(suite) => {
             let suite = Suite::named(suite)?;
@@ -124,13 +139,11 @@ fn task_groups(args: &BenchArgs) -> Result<(String, Groups), Failure> {
             args.seeds.iter().map(|seed| (format!("seed {seed}"), tasks(seed))).collect()
         }
         None => {
-            let overrides = Overrides { robot_radius: args.robot_radius, ..Overrides::default() };
             let read = |path: &PathBuf| {
-                let mut tasks = input::read(path, &overrides)?;
-                tasks.truncate(args.limit.unwrap_or(usize::MAX));
+                let tasks = input::read(path, &args.from, (None, None), args.planning.seed)?;
                 let label =
                     path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into());
-                Ok((label, tasks))
+                Ok((label, selection(tasks, args)))
             };
             args.tasks.iter().map(read).collect::<Result<_, Failure>>()?
         }
@@ -140,23 +153,36 @@ fn task_groups(args: &BenchArgs) -> Result<(String, Groups), Failure> {
             "no tasks: --count, --seeds and --limit must leave at least one".into(),
         ));
     }
-    let labels: Vec<&str> = groups.iter().map(|(label, _)| label.as_str()).collect();
-    let name = args.suite.clone().unwrap_or_else(|| labels.join(", "));
-    Ok((name, groups))
+    Ok(groups)
+}
+
+/// The tasks of a file that `--limit` and `--spread` leave.
+fn selection(mut tasks: Vec<Task>, args: &BenchArgs) -> Vec<Task> {
+    let count = tasks.len();
+    let limit = args.limit.unwrap_or(count).min(count);
+    if args.spread {
+        return (0..limit).map(|i| tasks[i * count / limit].clone()).collect();
+    }
+    tasks.truncate(limit);
+    tasks
 }
 
 /// The exact search's answer to each task; steps `bar` once per task.
 pub fn exact_answers(tasks: &[Task], bar: &indicatif::ProgressBar) -> Vec<Exact> {
-    tasks
-        .par_iter()
-        .map(|task| {
-            let route = ShortestPath::new(&task.world, task.robot).find(task.start, task.goal);
-            bar.inc(1);
-            match route {
-                Route::Found { length, .. } => Exact::Solvable { length },
-                Route::Unsolvable(_) => Exact::Unsolvable,
-                Route::Undecided(_) => Exact::Undecided,
-            }
+    let answer = |exact: &mut ShortestPath, task: &Task| {
+        let route = exact.find(task.start, task.goal);
+        bar.inc(1);
+        match route {
+            Route::Found { length, .. } => Exact::Solvable { length },
+            Route::Unsolvable(_) => Exact::Unsolvable,
+            Route::Undecided(_) => Exact::Undecided,
+        }
+    };
+    by_world(tasks)
+        .into_par_iter()
+        .flat_map(|(_, tasks)| {
+            let exact = ShortestPath::new(&tasks[0].world, tasks[0].robot);
+            tasks.par_iter().map_with(exact, answer)
         })
         .collect()
 }

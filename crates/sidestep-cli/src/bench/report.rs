@@ -76,10 +76,14 @@ pub struct Row {
     pub iterations_median: Option<f64>,
     /// Microseconds per optimizer iteration with objective, gradient and both checks, one thread.
     pub us_per_iteration: Option<f64>,
-    /// Median microseconds from task to answer, one thread.
+    /// Median microseconds from task to answer, one thread. Where tasks share a world, without what
+    /// is prepared once for the world.
     pub us_per_plan_median: f64,
     /// 95th percentile of the same.
     pub us_per_plan_p95: f64,
+    /// Median microseconds to prepare a world that several tasks share.
+    #[serde(default)]
+    pub us_per_world_median: Option<f64>,
     /// Median length of certified plans over the optimal length.
     pub length_ratio_median: Option<f64>,
     /// Median sum of squared second differences of certified plans, over the squared optimal length.

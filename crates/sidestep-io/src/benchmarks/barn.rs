@@ -20,6 +20,17 @@ const FORMAT: &str = "BARN worlds";
 /// Free space between the outermost obstacle, start or goal disc and the bounds, in metres.
 pub const MARGIN: f64 = 0.5;
 
+/// Radius in metres of the disc around the benchmark's robot, a Clearpath Jackal of 0.508 m x
+/// 0.430 m, whatever its heading.
+pub const JACKAL_RADIUS: f64 = 0.333;
+
+/// Whether a JSON text looks like these worlds rather than like a task.
+pub fn is_barn(text: &str) -> bool {
+    let Ok(Json::Object(fields)) = parse(FORMAT, text, 1) else { return false };
+    let has = |name: &str| fields.iter().any(|(key, _)| key == name);
+    has("worlds") && !has("format")
+}
+
 /// All worlds of the file as tasks `barn/0`, `barn/2`, ... in the order of their numbers.
 ///
 /// # Errors

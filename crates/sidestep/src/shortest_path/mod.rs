@@ -22,6 +22,8 @@ mod sight;
 
 pub use route::{Doubt, Proof, Route};
 
+use std::sync::{Arc, OnceLock};
+
 use layer::Layer;
 use search::{Ending, Workspace};
 
@@ -40,12 +42,13 @@ const MOST_ARCS: u32 = 64;
 /// Most edges that one search checks; what takes longer is undecided.
 const MOST_CHECKS: usize = 4_000_000;
 
-/// A world and a robot prepared for shortest-path queries.
+/// A world and a robot prepared for shortest-path queries. Clones share what was prepared and have
+/// buffers of their own, one for each thread.
 #[derive(Debug, Clone)]
 pub struct ShortestPath {
-    outside: Layer,
+    outside: Arc<Layer>,
     /// The lower bound's corners, from the first query that needs them; none where exact.
-    inside: Option<Layer>,
+    inside: Arc<OnceLock<Layer>>,
     is_exact: bool,
     workspace: Workspace,
 }
@@ -53,10 +56,14 @@ pub struct ShortestPath {
 impl ShortestPath {
     /// Prepares the queries of one robot in one world.
     pub fn new(world: &World, robot: Robot) -> Self {
-        let certifier = Certifier::new(world, robot);
+        Self::of(Certifier::new(world, robot))
+    }
+
+    /// Prepares the queries of a certifier's robot in its world.
+    pub fn of(certifier: Certifier) -> Self {
         let is_exact = Layer::is_exact(&certifier);
-        let outside = Layer::outside(certifier, ARCS);
-        Self { outside, inside: None, is_exact, workspace: Workspace::default() }
+        let outside = Arc::new(Layer::outside(certifier, ARCS));
+        Self { outside, inside: Arc::default(), is_exact, workspace: Workspace::default() }
     }
 
     /// The certifier of the same world and robot.
@@ -116,7 +123,7 @@ impl ShortestPath {
         loop {
             let fresh;
             let inside = if arcs == ARCS {
-                self.inside.get_or_insert_with(|| Layer::inside(&self.outside.certifier, arcs))
+                self.inside.get_or_init(|| Layer::inside(&self.outside.certifier, arcs))
             } else {
                 fresh = Layer::inside(&self.outside.certifier, arcs);
                 &fresh

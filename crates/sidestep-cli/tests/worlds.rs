@@ -1,0 +1,91 @@
+//! Other people's worlds on the command line: each kind of file is planned on, and each misuse is
+//! refused with exit code 2 and a message that says what to mend.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+use predicates::str::contains;
+
+const BARN: &str = r#"{"start": [-2, 3], "goal": [-2, 13],
+    "worlds": {"0": [[-2, 6, 0.5], [-4, 1, 0.1], [0, 1, 0.1]], "7": [[-2.5, 8, 0.4]]}}"#;
+const MAP: &str = "type octile\nheight 4\nwidth 6\nmap\n......\n..@@..\n..@@..\n......\n";
+const ROS: &str = "image: room.pgm\nresolution: 0.5\norigin: [-1, -1, 0]\nnegate: 0\n\
+    occupied_thresh: 0.65\nfree_thresh: 0.2\n";
+
+/// A folder with one file of each kind.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).unwrap();
+    write("barn.json", BARN.as_bytes());
+    write("room.map", MAP.as_bytes());
+    write("room.yaml", ROS.as_bytes());
+    write("room.pgm", b"P2 4 3 255 254 254 254 254 254 0 0 254 254 254 254 205");
+    let centres: Vec<u8> =
+        (0..40).flat_map(|i| f64::to_le_bytes(f64::from(i) * 0.8 - 16.0)).collect();
+    write("obs.dat", &centres);
+    let worlds: Vec<u8> =
+        (0..3).flat_map(|w| (0..7).map(move |b| 2 * b + w)).flat_map(i32::to_le_bytes).collect();
+    write("obs_perm2.dat", &worlds);
+    folder
+}
+
+fn sidestep(folder: &Path, arguments: &str) -> assert_cmd::assert::Assert {
+    let mut command = Command::cargo_bin("sidestep").unwrap();
+    command.current_dir(folder).args(arguments.split_whitespace()).arg("--quiet").assert()
+}
+
+#[test]
+fn every_kind_of_world_is_planned_on() {
+    let folder = folder();
+    for (arguments, expected) in [
+        ("plan barn.json", "certified"),
+        ("plan barn.json --index 1 --robot-radius 0.2", "certified"),
+        ("plan obs_perm2.dat --index 2 --seed 5", "certified"),
+        ("plan room.map --start 0.5,0.5 --goal 5.5,3.5", "certified"),
+        ("plan room.map --random-queries 4 --index 3 --seed 1", "certified"),
+        ("plan room.yaml --random-queries 2 --robot-radius 0.1", "certified"),
+        ("oracle barn.json", "2 of 2 solvable"),
+        ("oracle obs_perm2.dat", "3 of 3 solvable"),
+        ("oracle room.yaml --random-queries 9 --seed 2", "9 of 9 solvable"),
+    ] {
+        sidestep(folder.path(), arguments).success().stdout(contains(expected));
+    }
+}
+
+#[test]
+fn bench_shares_worlds_and_counts_rows() {
+    let folder = folder();
+    let arguments = "bench --tasks room.map room.yaml --random-queries 12 --limit 5 --spread \
+        --by-file --planner shortest-path --planner auto --json";
+    let output = sidestep(folder.path(), arguments).success();
+    let report: serde_json::Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    let rows = report["rows"].as_array().unwrap();
+    let suites: Vec<&str> = rows.iter().map(|row| row["suite"].as_str().unwrap()).collect();
+    assert_eq!(suites, ["room.map", "room.map", "room.yaml", "room.yaml"]);
+    for row in rows {
+        assert_eq!(row["tasks"], 5, "{row}");
+        assert_eq!(row["success"], 1.0, "{row}");
+        assert!(row["us_per_world_median"].is_number(), "{row}");
+    }
+}
+
+#[test]
+fn misuse_is_refused() {
+    let folder = folder();
+    for (arguments, expected) in [
+        ("plan room.map", "within [0.0, 0.0] to [6.0, 4.0], or --random-queries N"),
+        ("plan barn.json --random-queries 2", "--random-queries: only a map"),
+        ("plan room.map --random-queries 0", "--random-queries: 0 is not a number from 1 to"),
+        ("plan room.map --random-queries 2 --robot-radius 9", "leaves the robot a place to stand"),
+        ("plan barn.json --robot-radius=-1", "robot.radius: -1"),
+        ("plan obs.dat", "give the worlds' file, obs_perm2.dat"),
+        ("plan nowhere.dat", "cannot be read"),
+        ("bench --tasks room.yaml --planner gd", "or --random-queries N"),
+        ("bench --suite easy --spread --planner gd", "--limit"),
+    ] {
+        sidestep(folder.path(), arguments).code(2).stderr(contains(expected));
+    }
+}
