@@ -41,3 +41,8 @@ pub use shortest_path::{Route, ShortestPath};
 pub use task::Task;
 pub use trajectory::Trajectory;
 pub use world::{Grid, MAX_GRID_CELLS, Obstacle, World};
+
+/// The README's examples are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
