@@ -237,20 +237,22 @@ fn blocks<'a, 'b, const ISA: u8, const ACCUMULATE: bool, const ROWS: usize, cons
     mut out: Out<'a, 'b>,
 ) -> (Out<'a, 'b>, usize) {
     let panels = out.columns.div_ceil(LANES);
-    let mut row = from;
-    while row + ROWS <= to {
-        let mut panel = 0;
-        while panel + PANELS <= panels {
+    let done = from + (to - from) / ROWS * ROWS;
+    // Panels outside, rows inside: a panel of a wide layer stays in L1 while all rows pass it.
+    let mut panel = 0;
+    while panel + PANELS <= panels {
+        for row in (from..done).step_by(ROWS) {
             tile::<ISA, ACCUMULATE, ROWS, PANELS>(row, panel, depth, a, b, &mut out);
-            panel += PANELS;
         }
-        while panel < panels {
-            tile::<ISA, ACCUMULATE, ROWS, 1>(row, panel, depth, a, b, &mut out);
-            panel += 1;
-        }
-        row += ROWS;
+        panel += PANELS;
     }
-    (out, row)
+    while panel < panels {
+        for row in (from..done).step_by(ROWS) {
+            tile::<ISA, ACCUMULATE, ROWS, 1>(row, panel, depth, a, b, &mut out);
+        }
+        panel += 1;
+    }
+    (out, done)
 }
 
 /// `ROWS` rows by `PANELS` panels of the result, held in registers over the whole depth.
