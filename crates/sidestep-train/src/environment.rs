@@ -205,7 +205,8 @@ mod tests {
     use super::*;
     use sidestep::suite::Suite;
 
-    const RULES: Rules = Rules { action: ActionRule::PAPER, mu: 0.1, episode_limit: None };
+    const RULES: Rules =
+        Rules { action: ActionRule::PAPER, mu: 0.1, feasible_bonus: 0.0, episode_limit: None };
 
     fn problems(suite: Suite, count: usize) -> Vec<Problem> {
         let tasks = suite.generate(count, 1000, &Profile::PAPER);

@@ -174,7 +174,12 @@ mod tests {
         let config = PpoConfig { steps: 1, gamma: 0.9, ..PpoConfig::default() };
         let mut environments = vec![Environment::new(0, &problems, 3)];
         let mut by_hand = environments[0].clone();
-        let rules = Rules { action: ActionRule::PAPER, mu: 0.1, episode_limit: Some(1) };
+        let rules = Rules {
+            action: ActionRule::PAPER,
+            mu: 0.1,
+            feasible_bonus: 0.0,
+            episode_limit: Some(1),
+        };
         let mut rollouts = Vec::new();
         collect(&agent, &mut environments, &problems, &rules, &config, &mut rollouts);
 
