@@ -199,3 +199,66 @@ impl Environment {
         self.observation = saved.observation;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sidestep::suite::Suite;
+
+    const RULES: Rules =
+        Rules { action: ActionRule::PAPER, mu: 0.1, feasible_bonus: 0.0, episode_limit: None };
+
+    fn problems(suite: Suite, count: usize) -> Vec<Problem> {
+        let tasks = suite.generate(count, 1000, &Profile::PAPER);
+        let parts = [ObservationPart::Gradient];
+        tasks.iter().map(|task| Problem::new(task, &Profile::PAPER, 10, &parts).unwrap()).collect()
+    }
+
+    #[test]
+    fn gradient_descent_as_the_agent_walks_as_gradient_descent() {
+        let problems = problems(Suite::Easy, 8);
+        for (index, problem) in problems.iter().enumerate() {
+            let mut environment = Environment::new(index, &problems, 3);
+            let mut problem = problem.clone();
+            let (mut x, mut gradient) = (vec![0.0; 20], vec![0.0; 20]);
+            problem.objective.straight_line(&mut x);
+            for age in 1..=20 {
+                problem.objective.cost_and_gradient(&x, &mut gradient);
+                assert_eq!(environment.observation(), gradient);
+                let action: Vec<f32> = gradient.iter().map(|g| -0.1 * g).collect();
+                // Inside the field and below 1 in size, so that no clipping decides.
+                x.iter_mut().zip(&action).for_each(|(x, a)| *x += a);
+                let outcome = environment.step(&action, &RULES);
+                assert_eq!(environment.waypoints(), x);
+                let solved = problem.objective.is_feasible(&x);
+                let cost = problem.objective.cost(&x).total;
+                let reward = if solved { -0.1 * cost } else { -cost };
+                let expected = Outcome { reward, solved, truncated: false, age };
+                assert_eq!(outcome, expected);
+                if solved {
+                    break;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn episodes_end_by_limit_and_tasks_take_turns() {
+        let problems = problems(Suite::HardTraining, 5);
+        let rules = Rules { episode_limit: Some(3), ..RULES };
+        let mut environment = Environment::new(1, &problems, 3);
+        let mut tasks = Vec::new();
+        for _ in 0..5 {
+            tasks.push(environment.save().task);
+            let outcomes: Vec<Outcome> =
+                (0..3).map(|_| environment.step(&[0.0; 20], &rules)).collect();
+            assert!(outcomes.iter().all(|outcome| !outcome.solved));
+            assert_eq!(
+                outcomes.iter().map(Outcome::done).collect::<Vec<_>>(),
+                [false, false, true]
+            );
+            environment.reset(&problems, 2);
+        }
+        assert_eq!(tasks, [1, 3, 0, 2, 4]);
+    }
+}

@@ -152,3 +152,48 @@ pub(super) fn summary(rollouts: &[Rollout]) -> UpdateMetrics {
         ..UpdateMetrics::default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::initialization::Initialization;
+    use sidestep::observation::ObservationPart;
+    use sidestep::policy::ActionRule;
+    use sidestep::profile::Profile;
+    use sidestep::suite::Suite;
+
+    #[test]
+    fn an_episode_that_is_cut_off_is_worth_what_the_value_network_says() {
+        let parts = [ObservationPart::Gradient];
+        let problems: Vec<Problem> = Suite::HardTraining
+            .generate(1, 1000, &Profile::PAPER)
+            .iter()
+            .map(|task| Problem::new(task, &Profile::PAPER, 10, &parts).unwrap())
+            .collect();
+        let agent = Agent::new(20, 8, 20, Initialization::Orthogonal, -4.0, 1).unwrap();
+        let config = PpoConfig { steps: 1, gamma: 0.9, ..PpoConfig::default() };
+        let mut environments = vec![Environment::new(0, &problems, 3)];
+        let mut by_hand = environments[0].clone();
+        let rules = Rules {
+            action: ActionRule::PAPER,
+            mu: 0.1,
+            feasible_bonus: 0.0,
+            episode_limit: Some(1),
+        };
+        let mut rollouts = Vec::new();
+        collect(&agent, &mut environments, &problems, &rules, &config, &mut rollouts);
+
+        let (mut scratch, mut mean, mut value) = (Scratch::default(), [0.0; 20], [0.0]);
+        agent.policy.forward(by_hand.observation(), &mut scratch, &mut mean);
+        let mut action = [0.0; 20];
+        gaussian::sample(&mean, &agent.log_std, &mut by_hand.rng, &mut action);
+        let outcome = by_hand.step(&action, &rules);
+        assert!(outcome.truncated);
+        agent.value.forward(by_hand.observation(), &mut scratch, &mut value);
+        let rollout = &rollouts[0];
+        assert_eq!(rollout.actions, action);
+        assert_eq!(rollout.rewards, [outcome.reward + 0.9 * value[0]]);
+        assert_eq!(rollout.advantages, [rollout.rewards[0] - rollout.values[0]]);
+        assert_eq!((&rollout.dones, &rollout.episodes), (&vec![true], &vec![(1, false)]));
+    }
+}

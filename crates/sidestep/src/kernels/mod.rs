@@ -17,6 +17,7 @@
 mod adam;
 pub(crate) mod dense;
 mod norm;
+mod product;
 mod tanh;
 
 pub use adam::AdamStep;
