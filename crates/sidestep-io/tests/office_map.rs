@@ -136,17 +136,19 @@ const ROUND: [[f64; 3]; 30] = [
 
 fn draw() -> Vec<u8> {
     let rect = |b: &Box| Rect::new([b[0], b[1]], [b[2], b[3]]).unwrap();
-    let circle = |c: &[f64; 3]| Circle::new([c[0], c[1]], c[2]).unwrap();
+    let [walls, doors, furniture] =
+        [&WALLS[..], &DOORS, &FURNITURE].map(|list| list.iter().map(rect).collect::<Vec<_>>());
+    let building = rect(&BUILDING);
+    let round = ROUND.map(|c| Circle::new([c[0], c[1]], c[2]).unwrap());
     let mut pixels = Vec::with_capacity(WIDTH * HEIGHT);
     for row in (0..HEIGHT).rev() {
         for column in 0..WIDTH {
             let p = [(column as f64 + 0.5) * CELL, (row as f64 + 0.5) * CELL];
-            let within = |boxes: &[Box]| boxes.iter().any(|b| rect(b).contains(p));
-            let solid =
-                within(&FURNITURE) || ROUND.iter().any(|c| circle(c).signed_distance(p) < 0.0);
-            let wall = within(&WALLS) && !within(&DOORS);
+            let within = |rects: &[Rect]| rects.iter().any(|rect| rect.contains(p));
+            let solid = within(&furniture) || round.iter().any(|c| c.signed_distance(p) < 0.0);
+            let wall = within(&walls) && !within(&doors);
             pixels.push(match () {
-                () if !rect(&BUILDING).contains(p) => UNKNOWN,
+                () if !building.contains(p) => UNKNOWN,
                 () if wall || solid => BLACK,
                 () => FREE,
             });
@@ -180,5 +182,53 @@ fn the_committed_map_is_this_drawing() {
         let rows = pixels.chunks(WIDTH).rev().flatten();
         let drawn: Vec<bool> = rows.map(|pixel| !free.contains(pixel)).collect();
         assert!(grid.cells() == drawn, "the image differs from the drawing ({unknown:?})");
+    }
+}
+
+/// One place in every room, and both ends of the corridor.
+const PLACES: [[f64; 2]; 9] = [
+    [2.0, 3.8],
+    [6.5, 2.0],
+    [10.9, 2.7],
+    [13.5, 1.5],
+    [1.8, 8.2],
+    [7.5, 8.0],
+    [12.8, 9.5],
+    [18.5, 11.2],
+    [18.6, 6.2],
+];
+
+/// Floods the cells where a disc of 0.3 m fits (by the centres of the cells around it).
+#[test]
+fn a_robot_fits_through_every_door() {
+    let pixels = draw();
+    let free = |column: usize, row: usize| pixels[(HEIGHT - 1 - row) * WIDTH + column] == FREE;
+    let fits = |column: usize, row: usize| {
+        let reach = (0.3 / CELL) as usize;
+        (row - reach..=row + reach).all(|r| {
+            (column - reach..=column + reach).all(|c| {
+                let far = c.abs_diff(column).pow(2) + r.abs_diff(row).pow(2) > reach * reach;
+                far || free(c, r)
+            })
+        })
+    };
+    let cell = |p: [f64; 2]| ((p[0] / CELL) as usize, (p[1] / CELL) as usize);
+    let mut reached = vec![false; WIDTH * HEIGHT];
+    let mut open = vec![cell(PLACES[0])];
+    while let Some((column, row)) = open.pop() {
+        // The building's margin is wider than the disc, so no neighbour leaves the image.
+        if !reached[row * WIDTH + column] && fits(column, row) {
+            reached[row * WIDTH + column] = true;
+            open.extend([
+                (column + 1, row),
+                (column - 1, row),
+                (column, row + 1),
+                (column, row - 1),
+            ]);
+        }
+    }
+    for place in PLACES {
+        let (column, row) = cell(place);
+        assert!(reached[row * WIDTH + column], "{place:?}");
     }
 }

@@ -26,7 +26,9 @@ mod color;
 mod font;
 mod legend;
 mod outline;
+mod plot;
 mod raster;
+mod shading;
 mod svg;
 mod task_panel;
 

@@ -1,18 +1,13 @@
 //! A panel that shows a task's world from above, with trajectories in it.
 
 use sidestep::geometry::{Circle, Point, Rect};
-use sidestep::{Grid, Obstacle, Task, Trajectory, World};
+use sidestep::{Grid, Obstacle, Task, Trajectory};
 
 use super::canvas::{Canvas, Frame, Pixel, Shape, Stroke};
-use super::color::{Color, OBSTACLE, OBSTACLE_EDGE, SHADE, TEXT, WHITE, palette};
+use super::color::{Color, OBSTACLE, OBSTACLE_EDGE, TEXT, WHITE, palette};
 use super::legend::{self, Entry, Mark};
 use super::outline;
-
-/// Samples of a shading along the longer side of the field.
-const SHADE_SAMPLES: f64 = 240.0;
-
-/// Levels that a shading is rounded to, so that its steps read as contour lines.
-const SHADE_LEVELS: f64 = 12.0;
+use super::shading::Shading;
 
 /// A drawn trajectory or trace.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,14 +18,6 @@ struct Layer {
     trajectories: Vec<Trajectory>,
     dashed: bool,
     fan: bool,
-}
-
-/// Brightness values over the field, the top row first.
-#[derive(Debug, Clone, PartialEq)]
-struct Shading {
-    width: usize,
-    height: usize,
-    values: Vec<f64>,
 }
 
 /// A task's world from above: bounds, obstacles, grid, start and goal, and what was planned.
@@ -94,21 +81,7 @@ impl TaskPanel {
     /// Shades the free field by a value of each point, such as its distance to the obstacles: the
     /// lowest value darkest, the highest nearly white, in steps that read as contour lines.
     pub fn shade(mut self, value: impl Fn(Point) -> f64) -> Self {
-        let bounds = self.task.world.bounds();
-        let size = bounds.size();
-        let samples = |length: f64| (SHADE_SAMPLES * length / bounds.extent()).ceil().max(2.0);
-        let (width, height) = (samples(size[0]), samples(size[1]));
-        let (columns, rows) = (width as usize, height as usize);
-        let cell = [size[0] / width, size[1] / height];
-        let at = |i: usize| {
-            let (column, row) = ((i % columns) as f64, (i / columns) as f64);
-            let x = bounds.min[0] + (column + 0.5) * cell[0];
-            let y = bounds.max[1] - (row + 0.5) * cell[1];
-            // What lies under an obstacle has no part in the range of the shades.
-            if is_covered(&self.task.world, [x, y]) { f64::NAN } else { value([x, y]) }
-        };
-        let values = (0..columns * rows).map(at).collect();
-        self.shading = Some(Shading { width: columns, height: rows, values });
+        self.shading = Some(Shading::sample(&self.task.world, value));
         self
     }
 
@@ -200,14 +173,6 @@ impl TaskPanel {
     }
 }
 
-fn is_covered(world: &World, p: Point) -> bool {
-    let in_grid = world.grid().is_some_and(|grid| {
-        let (column, row) = grid.cell_of(p);
-        grid.is_occupied(column, row)
-    });
-    in_grid || world.obstacles().iter().any(|obstacle| obstacle.signed_distance(p) < 0.0)
-}
-
 fn draw_grid(canvas: &mut Canvas, view: &View, grid: &Grid) {
     let corner = |&(column, row): &(u32, u32)| {
         view.pixel(grid.cell_rect(i64::from(column), i64::from(row)).min)
@@ -283,20 +248,5 @@ impl View {
     fn pixels(&self, points: &[Point]) -> Vec<Pixel> {
         let finite = points.iter().filter(|p| p[0].is_finite() && p[1].is_finite());
         finite.map(|&p| self.pixel(p)).collect()
-    }
-}
-
-impl Shading {
-    fn image(&self, frame: Frame) -> Shape {
-        let finite = || self.values.iter().copied().filter(|value| value.is_finite());
-        let low = finite().fold(f64::INFINITY, f64::min);
-        let high = finite().fold(f64::NEG_INFINITY, f64::max);
-        let color = |&value: &f64| {
-            let t = if high > low { (value - low) / (high - low) } else { 1.0 };
-            let level = (t * SHADE_LEVELS).floor().min(SHADE_LEVELS - 1.0) / (SHADE_LEVELS - 1.0);
-            SHADE[0].mix(SHADE[1], if level.is_nan() { 0.0 } else { level }).rgb
-        };
-        let rgb = self.values.iter().map(color).collect();
-        Shape::Image { frame, width: self.width, height: self.height, rgb }
     }
 }

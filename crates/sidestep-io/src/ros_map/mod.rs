@@ -48,16 +48,15 @@ pub fn read(
         let found = format!("{:?}, which cannot be read ({error})", header.image);
         FormatError::new(yaml::FORMAT, Place::field("image"), found, "a PGM or PNG file")
     })?;
-    let image = read_image(&bytes)?;
-    let occupied = |shade: &Shade| match header.occupancy(*shade) {
+    let Image { width, cells } = read_image(&bytes, &|shade| match header.occupancy(shade) {
         Some(p) if p > header.occupied_thresh => true,
         Some(p) if p < header.free_thresh => false,
         _ => unknown == Unknown::Occupied,
-    };
+    })?;
+    let height = cells.len() / width;
     // The image's top row first becomes the grid's bottom row first.
-    let cells = image.shades.chunks(image.width).rev().flatten().map(occupied).collect();
-    let height = image.shades.len() / image.width;
-    Grid::new(image.width, height, header.resolution, header.origin, cells).map_err(|invalid| {
+    let cells = cells.chunks(width).rev().flatten().copied().collect();
+    Grid::new(width, height, header.resolution, header.origin, cells).map_err(|invalid| {
         let field = invalid.field.trim_start_matches("grid.").to_owned();
         FormatError::new(yaml::FORMAT, Place::field(field), invalid.value, invalid.allowed)
     })
@@ -71,16 +70,17 @@ struct Shade {
     opaque: bool,
 }
 
-/// Pixels, the top row first.
+/// Which pixels are occupied, the top row first. Pixels become cells as they are read, since a map may
+/// have hundreds of millions.
 struct Image {
     width: usize,
-    shades: Vec<Shade>,
+    cells: Vec<bool>,
 }
 
-fn read_image(bytes: &[u8]) -> Result<Image, FormatError> {
+fn read_image(bytes: &[u8], occupied: &dyn Fn(Shade) -> bool) -> Result<Image, FormatError> {
     match bytes {
-        [b'P', b'2' | b'5', ..] => pgm::read(bytes),
-        [0x89, b'P', b'N', b'G', ..] => png::read(bytes),
+        [b'P', b'2' | b'5', ..] => pgm::read(bytes, occupied),
+        [0x89, b'P', b'N', b'G', ..] => png::read(bytes, occupied),
         _ => {
             let start = bytes[..bytes.len().min(4)].escape_ascii();
             let found = format!("a file that starts with \"{start}\"");

@@ -7,7 +7,7 @@ use super::{Image, Shade, check_size, wrong_image};
 use crate::error::FormatError;
 
 /// The first image of the file.
-pub(super) fn read(bytes: &[u8]) -> Result<Image, FormatError> {
+pub(super) fn read(bytes: &[u8], occupied: &dyn Fn(Shade) -> bool) -> Result<Image, FormatError> {
     let plain = bytes.starts_with(b"P2");
     let mut words = Words { bytes, at: 2 };
     let width = words.number("the width", u32::MAX)?;
@@ -25,27 +25,28 @@ pub(super) fn read(bytes: &[u8]) -> Result<Image, FormatError> {
         (false, true) => (samples.len() as u64 / 2, "2 bytes a pixel"),
     };
     check_size(width, height, most, size, bytes.len())?;
-    let count = (width * height) as usize;
-    let mut values = Vec::with_capacity(count);
-    if plain {
-        for _ in 0..count {
-            values.push(words.number("a pixel", 65535)? as u16);
+    let (width, count) = (width as usize, (width * height) as usize);
+    let mut cells = Vec::with_capacity(count);
+    let mut add = |value: u16| {
+        if value > white {
+            let (x, y) = (cells.len() % width, cells.len() / width);
+            return Err(wrong_image(
+                format!("the value {value} at column {x}, row {y}"),
+                format!("at most the largest value, {white}"),
+            ));
         }
+        cells.push(occupied(Shade { value, white, opaque: true }));
+        Ok(())
+    };
+    if plain {
+        (0..count).try_for_each(|_| add(words.number("a pixel", 65535)? as u16))?;
     } else if white > 255 {
         let pairs = samples.as_chunks::<2>().0;
-        values.extend(pairs[..count].iter().map(|&pair| u16::from_be_bytes(pair)));
+        pairs[..count].iter().try_for_each(|&pair| add(u16::from_be_bytes(pair)))?;
     } else {
-        values.extend(samples[..count].iter().map(|&byte| u16::from(byte)));
+        samples[..count].iter().try_for_each(|&byte| add(u16::from(byte)))?;
     }
-    if let Some(index) = values.iter().position(|&value| value > white) {
-        let (x, y) = (index % width as usize, index / width as usize);
-        return Err(wrong_image(
-            format!("the value {} at column {x}, row {y}", values[index]),
-            format!("at most the largest value, {white}"),
-        ));
-    }
-    let shades = values.into_iter().map(|value| Shade { value, white, opaque: true }).collect();
-    Ok(Image { width: width as usize, shades })
+    Ok(Image { width, cells })
 }
 
 /// The words of a Netpbm file from a position on.

@@ -14,7 +14,7 @@ const MOST_PACKED: u64 = 1032;
 const MOST_MEMORY: usize = 1 << 30;
 
 /// The image, of any colour type and depth that PNG has.
-pub(super) fn read(bytes: &[u8]) -> Result<Image, FormatError> {
+pub(super) fn read(bytes: &[u8], occupied: &dyn Fn(Shade) -> bool) -> Result<Image, FormatError> {
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: MOST_MEMORY });
     // Palettes and depths under 8 bits become 8-bit grey or colour, with alpha where there is any.
     decoder.set_transformations(Transformations::EXPAND);
@@ -35,30 +35,30 @@ pub(super) fn read(bytes: &[u8]) -> Result<Image, FormatError> {
     let channels = info.color_type.samples();
     // Grey and RGB with alpha have an even number of channels, the last of them alpha.
     let has_alpha = channels % 2 == 0;
-    let shades = if info.bit_depth == BitDepth::Sixteen {
-        let pairs: Vec<u16> =
-            samples.as_chunks::<2>().0.iter().map(|&pair| u16::from_be_bytes(pair)).collect();
-        pairs.chunks_exact(channels).map(|pixel| shade(pixel, has_alpha, u16::MAX)).collect()
+    let cells = if info.bit_depth == BitDepth::Sixteen {
+        let sample = |pair: &[u8]| u16::from_be_bytes([pair[0], pair[1]]);
+        let pixel = |bytes: &[u8]| shade(bytes.chunks_exact(2).map(sample), has_alpha, u16::MAX);
+        samples.chunks_exact(2 * channels).map(|bytes| occupied(pixel(bytes))).collect()
     } else {
-        let pixel = |bytes: &[u8]| {
-            let mut values = [0_u16; 4];
-            values.iter_mut().zip(bytes).for_each(|(value, &byte)| *value = u16::from(byte));
-            shade(&values[..channels], has_alpha, 255)
-        };
-        samples.chunks_exact(channels).map(pixel).collect()
+        let pixel = |bytes: &[u8]| shade(bytes.iter().map(|&b| u16::from(b)), has_alpha, 255);
+        samples.chunks_exact(channels).map(|bytes| occupied(pixel(bytes))).collect()
     };
-    Ok(Image { width: width as usize, shades })
+    Ok(Image { width: width as usize, cells })
 }
 
 /// The mean of the colour channels, rounded.
-fn shade(pixel: &[u16], has_alpha: bool, white: u16) -> Shade {
-    let (colours, alpha) = match pixel {
-        [colours @ .., alpha] if has_alpha => (colours, *alpha),
-        colours => (colours, white),
-    };
-    let sum: u32 = colours.iter().map(|&value| u32::from(value)).sum();
-    let count = colours.len().max(1) as u32;
-    Shade { value: ((sum + count / 2) / count) as u16, white, opaque: alpha == white }
+fn shade(channels: impl ExactSizeIterator<Item = u16>, has_alpha: bool, white: u16) -> Shade {
+    let colours = channels.len() - usize::from(has_alpha);
+    let (mut sum, mut opaque) = (0, true);
+    for (i, value) in channels.enumerate() {
+        if i < colours {
+            sum += u32::from(value);
+        } else {
+            opaque = value == white;
+        }
+    }
+    let count = colours.max(1) as u32;
+    Shade { value: ((sum + count / 2) / count) as u16, white, opaque }
 }
 
 fn broken(error: DecodingError) -> FormatError {
