@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use sidestep::InvalidInput;
 use sidestep::profile::Profile;
 use sidestep::suite::Suite;
 use sidestep_io::{TaskFormat, write_tasks};
@@ -21,10 +22,10 @@ pub struct GenerateArgs {
     #[arg(long)]
     suite: String,
     /// Number of tasks
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     count: usize,
     /// Seed of the suite
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     seed: u64,
     /// The gradient descent that decides what is hard: paper or default
     #[arg(long, default_value = "paper")]
@@ -40,9 +41,11 @@ pub fn run(args: &GenerateArgs, global: &Global) -> Result<(), Failure> {
     let profile = Profile::named(&args.profile)?;
     let format = TaskFormat::from_file_name(&args.out.to_string_lossy())
         .ok_or_else(|| Failure::file(&args.out, "expected a name that ends in .json or .jsonl"))?;
-    if args.count > MAX_COUNT {
-        return Err(Failure(format!("--count: {} is more than {MAX_COUNT}", args.count)));
+    if !(1..=MAX_COUNT).contains(&args.count) {
+        let allowed = format!("a number from 1 to {MAX_COUNT}");
+        return Err(InvalidInput::new("--count", args.count, allowed).into());
     }
+    output::check_writable([&args.out])?;
     let tasks = suite.generate(args.count, args.seed, &profile);
     output::write_file(&args.out, write_tasks(&tasks, format).as_bytes())?;
     if !global.quiet {

@@ -17,7 +17,7 @@ use crate::failure::Failure;
 pub struct InputArgs {
     /// A disc robot of this radius in place of the file's, in task units [default for BARN worlds:
     /// 0.333, the disc around a Clearpath Jackal]
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     robot_radius: Option<f64>,
     /// Treat unknown cells of a ROS map as free
     #[arg(long)]

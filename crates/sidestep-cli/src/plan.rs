@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use serde::Serialize;
+use sidestep::error::MAX_COORDINATE;
 use sidestep::geometry::Point;
 use sidestep::objective::Scene;
 use sidestep::plan::{Plan, Status, Stop, plan_in};
@@ -28,7 +29,7 @@ pub struct PlanArgs {
     /// Task .json or .jsonl, MovingAI .map or .scen, ROS map .yaml, BARN worlds .json, MPNet worlds .dat
     input: PathBuf,
     /// Which task of the file, from 0
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
     index: usize,
     /// Start in place of the file's
     #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
@@ -50,7 +51,7 @@ pub struct PlanArgs {
     #[arg(long)]
     best: bool,
     /// Stop after this many milliseconds with the best certified plan so far
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     budget_ms: Option<f64>,
     /// Start from the waypoints of this plan (a file that `plan --out` wrote)
     #[arg(long)]
@@ -76,8 +77,8 @@ struct Answer {
     reason: String,
     task: String,
     planner: String,
-    /// What made the plan: which start, or the exact search.
-    origin: String,
+    /// What made the plan: which start, or the exact search. None without a plan.
+    origin: Option<String>,
     iterations: usize,
     time_us: f64,
     length: Option<f64>,
@@ -103,6 +104,7 @@ pub struct Step {
 
 /// Plans, prints and draws.
 pub fn run(args: &PlanArgs, global: &Global) -> Result<ExitCode, Failure> {
+    output::check_writable([&args.out, &args.png, &args.svg].into_iter().flatten())?;
     let ends = (args.start, args.goal);
     let mut tasks = input::read(&args.input, &args.from, ends, args.planning.seed)?;
     if args.index >= tasks.len() {
@@ -207,7 +209,7 @@ fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> Answer {
         reason: plan.status.reason(),
         task: task.name.clone(),
         planner,
-        origin: plan.origin.to_string(),
+        origin: solved.then(|| plan.origin.to_string()),
         iterations: plan.steps,
         time_us: time.as_secs_f64() * 1e6,
         length: path.filter(|_| solved).map(Trajectory::length),
@@ -226,11 +228,14 @@ fn describe(answer: &Answer) -> String {
         text += &format!(": {}", answer.reason);
     }
     text += &format!(" ({}, {:.0} us)\n", answer.planner, answer.time_us);
-    if let (Some(length), Some(clearance)) = (answer.length, answer.clearance) {
-        text += &format!("{} after {} iterations\n", answer.origin, answer.iterations);
+    if let (Some(length), Some(clearance), Some(origin)) =
+        (answer.length, answer.clearance, &answer.origin)
+    {
+        text += &format!("{origin} after {} iterations\n", answer.iterations);
         let over = answer.optimal_length.filter(|&optimal| optimal > 0.0);
         let over = over.map_or(String::new(), |optimal| {
-            format!(" ({:.1} % over the shortest, {optimal:.3})", 100.0 * (length / optimal - 1.0))
+            let more = 100.0 * (length / optimal - 1.0).max(0.0);
+            format!(" ({more:.1} % over the shortest, {optimal:.3})")
         });
         text += &format!("length {length:.3}{over}, clearance {clearance:.3}\n");
         text += &format!("{} points, certified free of collision\n", answer.waypoints.len());
@@ -246,8 +251,11 @@ fn read_waypoints(path: &std::path::Path) -> Result<Trajectory, Failure> {
     }
     let saved: Saved = serde_json::from_str(&input::read_text(path)?)
         .map_err(|error| Failure::file(path, format!("is not a plan ({error})")))?;
-    if saved.waypoints.len() < 2 || saved.waypoints.iter().flatten().any(|v| !v.is_finite()) {
-        return Err(Failure::file(path, "waypoints: expected at least 2 finite points"));
+    let mut values = saved.waypoints.iter().flatten();
+    if saved.waypoints.len() < 2 || !values.all(|v| v.abs() <= MAX_COORDINATE) {
+        let need =
+            "waypoints: expected at least 2 points with coordinates of magnitude at most 1e9";
+        return Err(Failure::file(path, need));
     }
     Ok(Trajectory::from_points(&saved.waypoints))
 }

@@ -18,7 +18,7 @@ use crate::failure::Failure;
 #[derive(Args, Clone)]
 pub struct PlanningArgs {
     /// Start trajectories; the first is the straight line
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     starts: usize,
     /// How the others are drawn: line, via-point, sorted, random or paper
     #[arg(long, default_value = "via-point")]
@@ -27,16 +27,16 @@ pub struct PlanningArgs {
     #[arg(long)]
     profile: Option<String>,
     /// Optimizer steps per start
-    #[arg(long, default_value_t = 200)]
+    #[arg(long, default_value_t = 200, allow_negative_numbers = true)]
     steps: usize,
     /// Waypoints between start and goal [default: the profile's 10]
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     waypoints: Option<usize>,
     /// Distance under which closeness to obstacles costs, in task units [default: a 6.4th of the field]
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     clearance: Option<f64>,
     /// Seed of random starts, random planners and what a file of worlds leaves open
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
     pub seed: u64,
 }
 

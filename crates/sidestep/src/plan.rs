@@ -68,7 +68,7 @@ pub struct Options {
     pub index: u64,
     /// A trajectory to start from instead of the straight line.
     pub warm_start: Option<Trajectory>,
-    /// Whether a failed optimizer is followed by a search for a proof that there is no path.
+    /// Whether a failed search is followed by one for a proof that there is no path.
     pub prove: bool,
 }
 
@@ -278,18 +278,24 @@ pub fn plan_in(
     }
     match planner {
         Planner::Optimizer(method) => {
-            let plan = optimize(scene, task, method, options, watch)?;
-            if plan.status == Status::Solved || !options.prove {
-                return Ok(plan);
-            }
-            Ok(match scene.shortest_path().find(task.start, task.goal) {
-                Route::Unsolvable(proof) => Plan { status: Status::Unsolvable(proof), ..plan },
-                _ => plan,
-            })
+            Ok(or_proof(optimize(scene, task, method, options, watch)?, scene, task, options))
         }
-        Planner::RrtConnect(rrt) => Ok(tree(scene.certifier(), task, rrt, options)),
+        Planner::RrtConnect(rrt) => {
+            Ok(or_proof(tree(scene.certifier(), task, rrt, options), scene, task, options))
+        }
         Planner::ShortestPath => Ok(shortest(scene, task)),
         Planner::Auto(method) => auto(scene, task, method, options, watch),
+    }
+}
+
+/// The plan; where it is not solved and the options ask for it, with the proof that there is none.
+fn or_proof(plan: Plan, scene: &Scene, task: &Task, options: &Options) -> Plan {
+    if plan.status == Status::Solved || !options.prove {
+        return plan;
+    }
+    match scene.shortest_path().find(task.start, task.goal) {
+        Route::Unsolvable(proof) => Plan { status: Status::Unsolvable(proof), ..plan },
+        _ => plan,
     }
 }
 

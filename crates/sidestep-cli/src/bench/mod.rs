@@ -27,14 +27,18 @@ use crate::table;
 use measure::{Exact, TaskSet};
 use report::Report;
 
+/// Flags that say something of task files, and so nothing beside a suite.
+const TASK_FLAGS: [&str; 5] =
+    ["tasks", "limit", "robot_radius", "unknown_is_free", "random_queries"];
+
 /// Arguments of `bench`.
 #[derive(Args)]
 pub struct BenchArgs {
     /// Suite: easy, hard, hard-training, mix or time
-    #[arg(long, conflicts_with = "tasks", required_unless_present = "tasks")]
+    #[arg(long, conflicts_with_all = TASK_FLAGS, required_unless_present = "tasks")]
     suite: Option<String>,
     /// Tasks per seed
-    #[arg(long, default_value_t = 1000)]
+    #[arg(long, default_value_t = 1000, allow_negative_numbers = true)]
     count: usize,
     /// Task seeds of the suite
     #[arg(long, value_delimiter = ',', default_values_t = [2, 12, 22, 32, 42])]
@@ -59,7 +63,7 @@ pub struct BenchArgs {
     #[command(flatten)]
     planning: PlanningArgs,
     /// Tasks per seed or file that are timed, one after the other on one thread
-    #[arg(long, default_value_t = 200)]
+    #[arg(long, default_value_t = 200, allow_negative_numbers = true)]
     timed: usize,
     /// Write the report here
     #[arg(long)]
@@ -69,6 +73,7 @@ pub struct BenchArgs {
 /// Measures and prints.
 pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
     let begin = Instant::now();
+    output::check_writable(&args.out)?;
     let groups = task_groups(args)?;
     let extent = groups[0].1[0].world.bounds().extent();
     let planners: Vec<_> = args

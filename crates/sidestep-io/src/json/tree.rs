@@ -53,7 +53,12 @@ pub(crate) fn parse(
             doubled if doubled.starts_with("the key ") => "each key once",
             _ => "valid JSON (no NaN, Infinity, comments or trailing commas)",
         };
-        FormatError::new(format, place, message, expected)
+        let found = match message.strip_prefix("expected ") {
+            Some("value") => "what is not a value".into(),
+            Some(rest) => format!("something other than {rest}"),
+            None => message.to_string(),
+        };
+        FormatError::new(format, place, found, expected)
     })
 }
 

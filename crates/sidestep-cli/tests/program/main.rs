@@ -1,0 +1,88 @@
+//! The program from outside: exit codes, output and messages, as a person or a script meets them.
+
+mod bad_input;
+mod bench;
+mod determinism;
+mod generate;
+mod plan;
+mod table;
+mod train;
+
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// What a run of the program gave.
+struct Outcome {
+    code: i32,
+    stdout: String,
+    stderr: String,
+}
+
+impl Outcome {
+    /// Standard output, which must be exactly one JSON document.
+    fn json(&self) -> Value {
+        serde_json::from_str(&self.stdout)
+            .unwrap_or_else(|error| panic!("{error} in {:?}\n{}", self.stdout, self.stderr))
+    }
+}
+
+/// Runs `sidestep` on the words of `line` in `folder`. `EXAMPLES` stands for the repository's examples.
+fn run(folder: &Path, line: &str) -> Outcome {
+    let examples = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+    let output = Command::new(env!("CARGO_BIN_EXE_sidestep"))
+        .args(line.split_whitespace().map(|word| word.replace("EXAMPLES", examples)))
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    Outcome {
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+/// Runs `sidestep` and checks the exit code, and that its whole output holds every one of `parts`.
+fn check(folder: &Path, line: &str, code: i32, parts: &[&str]) -> Outcome {
+    let outcome = run(folder, line);
+    let told = format!("{}{}", outcome.stdout, outcome.stderr);
+    assert_eq!(outcome.code, code, "sidestep {line}\n{told}");
+    for part in parts {
+        assert!(told.contains(part), "sidestep {line}\nlacks {part:?} in\n{told}");
+    }
+    outcome
+}
+
+/// A task document on a field of 10 x 10, from (1, 1) to (9, 9), with these obstacles.
+fn task(obstacles: &str) -> String {
+    format!(
+        r#"{{"format": "sidestep.task/1", "name": "test", "bounds": [[0, 0], [10, 10]],
+        "obstacles": [{obstacles}], "robot": "point", "start": [1, 1], "goal": [9, 9]}}"#
+    )
+}
+
+/// A folder with a few tasks: `free.json`, `block.json` (a way around), `wall.json` (no way).
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, obstacles: &str| {
+        std::fs::write(folder.path().join(name), task(obstacles)).unwrap();
+    };
+    write("free.json", "");
+    write("block.json", r#"{"rect": [[3, 2], [7, 7]]}"#);
+    write("wall.json", r#"{"rect": [[4, -1], [5, 11]]}"#);
+    folder
+}
+
+#[test]
+fn help_and_version() {
+    let folder = folder();
+    let verbs = ["plan", "generate", "bench", "table", "oracle", "train", "experiment"];
+    check(folder.path(), "--help", 0, &verbs);
+    check(folder.path(), "--version", 0, &["sidestep ", env!("CARGO_PKG_VERSION")]);
+    check(folder.path(), "", 2, &["Usage"]);
+    for verb in verbs {
+        check(folder.path(), &format!("{verb} --help"), 0, &["--threads", "--json", "--quiet"]);
+    }
+}
