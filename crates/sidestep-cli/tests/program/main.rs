@@ -1,5 +1,7 @@
 //! The program from outside: exit codes, output and messages, as a person or a script meets them.
 
+#![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
+
 mod bad_input;
 mod bench;
 mod determinism;
@@ -7,6 +9,7 @@ mod generate;
 mod plan;
 mod table;
 mod train;
+mod worlds;
 
 use std::path::Path;
 use std::process::Command;

@@ -1,13 +1,9 @@
 //! Other people's worlds on the command line: each kind of file is planned on, and each misuse is
 //! refused with exit code 2 and a message that says what to mend.
 
-#![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
-
 use std::fs;
-use std::path::Path;
 
-use assert_cmd::Command;
-use predicates::str::contains;
+use crate::check;
 
 const BARN: &str = r#"{"start": [-2, 3], "goal": [-2, 13],
     "worlds": {"0": [[-2, 6, 0.5], [-4, 1, 0.1], [0, 1, 0.1]], "7": [[-2.5, 8, 0.4]]}}"#;
@@ -32,11 +28,6 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-fn sidestep(folder: &Path, arguments: &str) -> assert_cmd::assert::Assert {
-    let mut command = Command::cargo_bin("sidestep").unwrap();
-    command.current_dir(folder).args(arguments.split_whitespace()).arg("--quiet").assert()
-}
-
 #[test]
 fn every_kind_of_world_is_planned_on() {
     let folder = folder();
@@ -51,7 +42,7 @@ fn every_kind_of_world_is_planned_on() {
         ("oracle obs_perm2.dat", "3 of 3 solvable"),
         ("oracle room.yaml --random-queries 9 --seed 2", "9 of 9 solvable"),
     ] {
-        sidestep(folder.path(), arguments).success().stdout(contains(expected));
+        check(folder.path(), arguments, 0, &[expected]);
     }
 }
 
@@ -60,8 +51,7 @@ fn bench_shares_worlds_and_counts_rows() {
     let folder = folder();
     let arguments = "bench --tasks room.map room.yaml --random-queries 12 --limit 5 --spread \
         --by-file --planner shortest-path --planner auto --json";
-    let output = sidestep(folder.path(), arguments).success();
-    let report: serde_json::Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    let report = check(folder.path(), arguments, 0, &[]).json();
     let rows = report["rows"].as_array().unwrap();
     let suites: Vec<&str> = rows.iter().map(|row| row["suite"].as_str().unwrap()).collect();
     assert_eq!(suites, ["room.map", "room.map", "room.yaml", "room.yaml"]);
@@ -86,6 +76,6 @@ fn misuse_is_refused() {
         ("bench --tasks room.yaml --planner gd", "or --random-queries N"),
         ("bench --suite easy --spread --planner gd", "--limit"),
     ] {
-        sidestep(folder.path(), arguments).code(2).stderr(contains(expected));
+        check(folder.path(), arguments, 2, &[expected]);
     }
 }
