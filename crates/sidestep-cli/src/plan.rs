@@ -166,7 +166,7 @@ fn attempt(args: &PlanArgs, task: &Task, name: &str) -> Result<Attempt, Failure>
     };
     let trace = Mutex::new(Vec::new());
     let begin = Instant::now();
-    let scene = Arc::new(Scene::of(&task, &options.profile));
+    let scene = Arc::new(Scene::of(task, &options.profile));
     let watch = |iteration: &Iteration<'_>| {
         if args.trace
             && let Ok(mut steps) = trace.lock()
