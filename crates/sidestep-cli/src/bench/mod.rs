@@ -28,8 +28,8 @@ use measure::{Exact, TaskSet};
 use report::Report;
 
 /// Flags that say something of task files, and so nothing beside a suite.
-const TASK_FLAGS: [&str; 5] =
-    ["tasks", "limit", "robot_radius", "unknown_is_free", "random_queries"];
+const TASK_FLAGS: [&str; 7] =
+    ["tasks", "limit", "spread", "by_file", "robot_radius", "unknown_is_free", "random_queries"];
 
 /// Arguments of `bench`.
 #[derive(Args)]

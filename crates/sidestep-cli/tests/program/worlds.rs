@@ -74,7 +74,8 @@ fn misuse_is_refused() {
         ("plan obs.dat", "give the worlds' file, obs_perm2.dat"),
         ("plan nowhere.dat", "cannot be read"),
         ("bench --tasks room.yaml --planner gd", "or --random-queries N"),
-        ("bench --suite easy --spread --planner gd", "--limit"),
+        ("bench --tasks room.map --spread --planner gd", "--limit"),
+        ("bench --suite easy --spread --planner gd", "cannot be used with"),
     ] {
         check(folder.path(), arguments, 2, &[expected]);
     }
