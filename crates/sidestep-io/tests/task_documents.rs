@@ -183,7 +183,7 @@ fn faults_of_whole_files_are_placed() {
         ("[]", Json, "task JSON: found no task; expected at least one task"),
         ("\n\n", JsonLines, "task JSON: found no task"),
         ("7", Json, "line 1, column 1: found 7; expected an object with the fields format"),
-        ("{\n \"start\": [NaN, 1]}", Json, "line 2, column 12: found expected value"),
+        ("{\n \"start\": [NaN, 1]}", Json, "line 2, column 12: found what is not a value"),
         (
             "{\n \"start\": [1e999, 1]}",
             Json,
@@ -192,7 +192,7 @@ fn faults_of_whole_files_are_placed() {
         (
             "{\"start\": [Infinity, 1]}",
             Json,
-            "found expected value; expected valid JSON (no NaN, Infinity",
+            "found what is not a value; expected valid JSON (no NaN, Infinity",
         ),
         (
             "{\"start\": 1,\n\"start\": 2}",
