@@ -46,10 +46,10 @@ impl PlanningArgs {
     pub fn options(&self, extent: f64, planners: &[&Planner]) -> Result<Options, Failure> {
         let policy = planners.iter().find_map(|planner| match planner {
             Planner::Optimizer(Method::Learned(policy))
-            | Planner::Auto(Method::Learned(policy)) => Some(policy.card()),
+            | Planner::Auto(Method::Learned(policy)) => Some(policy),
             _ => None,
         });
-        let default_profile = policy.map_or("default", |card| card.profile.as_str());
+        let default_profile = policy.and_then(|policy| policy.fixed_profile()).unwrap_or("default");
         let mut profile = Profile::named(self.profile.as_deref().unwrap_or(default_profile))?;
         if let Some(clearance) = self.clearance {
             if !(clearance > 0.0 && clearance <= extent) {
@@ -60,7 +60,7 @@ impl PlanningArgs {
         }
         Ok(Options {
             profile,
-            waypoints: self.waypoints.or(policy.map(|card| card.waypoints)),
+            waypoints: self.waypoints.or(policy.and_then(|policy| policy.fixed_waypoints())),
             starts: self.starts,
             strategy: StartStrategy::named(&self.start_strategy)?,
             steps: self.steps,

@@ -31,6 +31,7 @@ pub mod suite;
 mod task;
 pub mod tensors;
 mod trajectory;
+pub mod waypoint_view;
 mod world;
 
 pub use certificate::{Certifier, Violation, certify};

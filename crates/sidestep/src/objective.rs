@@ -15,7 +15,7 @@ use crate::distance::{Field, LANES, Samples};
 use crate::error::InvalidInput;
 use crate::geometry::Point;
 use crate::kernels::{Isa, dispatch};
-use crate::profile::{Averaging, Feasibility, Frame, MAX_WAYPOINTS, Profile};
+use crate::profile::{Averaging, DistanceKind, Feasibility, Frame, MAX_WAYPOINTS, Profile};
 use crate::robot::Robot;
 use crate::sampled_check::SampledCheck;
 use crate::shortest_path::ShortestPath;
@@ -33,6 +33,7 @@ pub struct Scene {
     frame: Frame,
     field_size: [f32; 2],
     field: OnceLock<Field>,
+    exact_field: OnceLock<Field>,
     sampled: Option<SampledCheck>,
     certifier: Certifier,
     exact: OnceLock<ShortestPath>,
@@ -55,6 +56,7 @@ impl Scene {
             frame,
             field_size: world.bounds().size().map(|side| (side / frame.scale) as f32),
             field: OnceLock::new(),
+            exact_field: OnceLock::new(),
             sampled,
             certifier: Certifier::new(world, robot),
             exact: OnceLock::new(),
@@ -84,6 +86,16 @@ impl Scene {
     /// The signed distance field.
     pub fn field(&self) -> &Field {
         self.field.get_or_init(|| Field::new(&self.world, self.robot, &self.profile))
+    }
+
+    /// The exact signed distance field, whatever the profile's own is.
+    pub fn exact_field(&self) -> &Field {
+        match self.profile.distance {
+            DistanceKind::Exact => self.field(),
+            DistanceKind::PaperImage => {
+                self.exact_field.get_or_init(|| Field::exact(&self.world, self.robot, &self.frame))
+            }
+        }
     }
 
     /// The exact search; what it prepares is shared by all that ask for it.
@@ -191,6 +203,12 @@ impl Objective {
     /// Length of the flat `[N x 2]` state.
     pub fn dim(&self) -> usize {
         2 * self.waypoints
+    }
+
+    /// Whether the robot may move straight between two points of normalised units, by the exact check.
+    pub fn segment_is_free(&self, from: [f32; 2], to: [f32; 2]) -> bool {
+        let frame = self.scene.frame;
+        self.scene.certifier.segment_is_free(frame.to_task(from), frame.to_task(to))
     }
 
     /// Start, in normalised units.
