@@ -32,7 +32,8 @@ pub struct PlanningArgs {
     /// Waypoints between start and goal [default: the profile's 10]
     #[arg(long, allow_negative_numbers = true)]
     waypoints: Option<usize>,
-    /// Distance under which closeness to obstacles costs, in task units [default: a 6.4th of the field]
+    /// Distance under which closeness to obstacles costs, in task units [default: a 6.4th of
+    /// the field, on a map at most the typical clearance]
     #[arg(long, allow_negative_numbers = true)]
     clearance: Option<f64>,
     /// Seed of random starts, random planners and what a file of worlds leaves open
@@ -56,6 +57,7 @@ impl PlanningArgs {
                 let allowed = format!("a number above 0 and at most {extent}, the field's extent");
                 return Err(InvalidInput::new("--clearance", clearance, allowed).into());
             }
+            profile.fits_epsilon_to_maps = false;
             profile.epsilon = clearance / extent * sidestep::profile::NORMALISED_EXTENT;
         }
         Ok(Options {

@@ -107,7 +107,6 @@ fn check_kind(field: &str, value: &Value, default: &Known) -> Result<(), Invalid
 #[cfg(test)]
 mod tests {
     use super::super::TrainConfig;
-    use super::*;
 
     #[test]
     fn what_is_left_out_keeps_the_papers_value() {

@@ -357,3 +357,54 @@ fn hinge(objective: &Objective, points: &[[f32; 2]], weight: f32, pull: &mut [[f
     }
     total
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::rand_core::SeedableRng;
+    use sidestep::rng::standard_normal;
+
+    /// Slopes of the loss with respect to the outputs, one coordinate at a time, against differences of the loss.
+    #[test]
+    fn slopes_are_differences_of_the_loss() {
+        let probes = Probes::named("probes:4x1").unwrap();
+        let rule = ActionRule { scale: 0.4, limit: 1.6, keep_inside: true };
+        let (mut close, mut all) = (0, 0);
+        for index in 0..12 {
+            let task = candidate(1000, index);
+            let scene = Arc::new(Scene::of(&task, &Profile::DEFAULT));
+            let objective = Objective::new(&task, scene, 10).unwrap();
+            let mut rng = ChaCha8Rng::seed_from_u64(index);
+            let targets = routes::targets(&task, &objective, &mut rng);
+            let mut before = vec![0.0; 20];
+            objective.straight_line(&mut before);
+            let outputs: Vec<[f32; 2]> = (0..10).map(|_| standard_normal(&mut rng)).collect();
+            let value = |outputs: &[[f32; 2]], slopes: &mut Vec<[f32; 2]>| {
+                let mut view = WaypointView::new(&probes, &objective);
+                let mut after = before.clone();
+                view.apply(&rule, |i| outputs[i], &mut after);
+                let along = view.along();
+                let of = |i: usize| outputs[i];
+                loss(&objective, &targets, along, &before, &after, of, rule.scale, 1.0, slopes)
+            };
+            let mut slopes = Vec::new();
+            value(&outputs, &mut slopes);
+            for i in 0..10 {
+                for axis in 0..2 {
+                    let h = 2e-3;
+                    let mut moved = outputs.clone();
+                    moved[i][axis] += h;
+                    let above = value(&moved, &mut Vec::new());
+                    moved[i][axis] -= 2.0 * h;
+                    let below = value(&moved, &mut Vec::new());
+                    let slope = (above - below) / f64::from(2.0 * h);
+                    all += 1;
+                    let error = (slope - f64::from(slopes[i][axis])).abs();
+                    close += usize::from(error <= 0.02 * (1.0 + slope.abs()));
+                }
+            }
+        }
+        // Elsewhere lies a kink of the distance or an end of the hinge, or a waypoint at a wall.
+        assert!(close * 100 >= all * 93, "{close} of {all}");
+    }
+}

@@ -20,6 +20,12 @@ pub use transform::squared_distance_transform;
 /// Points are processed in blocks of this many lanes.
 pub(crate) const LANES: usize = 16;
 
+/// Points that tell the typical clearance; a multiple of [`LANES`].
+const CLEARANCE_POINTS: usize = 4096;
+/// Steps of the R2 sequence, 1/p and 1/p² for p³ = p + 1 (Roberts 2018, "The unreasonable
+/// effectiveness of quasirandom sequences"): even, and on no lattice that a grid could share.
+const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
+
 /// Distances and gradients of a set of points, as arrays of equal length (a multiple of [`LANES`]).
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Samples {
@@ -79,6 +85,23 @@ impl Field {
         let mut samples = Samples::with_len(LANES);
         self.sample(&[p[0]; LANES], &[p[1]; LANES], 1, &mut samples);
         (samples.distance[0], [samples.gradient_x[0], samples.gradient_y[0]])
+    }
+
+    /// The median distance over the free part of a field of this size, at most its larger side; 0
+    /// where nothing is free. In normalised units.
+    pub fn typical_clearance(&self, size: [f32; 2]) -> f32 {
+        let mut samples = Samples::with_len(CLEARANCE_POINTS);
+        let mut place = [0, 1].map(|_| vec![0.0; CLEARANCE_POINTS]);
+        for axis in 0..2 {
+            for (i, value) in place[axis].iter_mut().enumerate() {
+                *value = size[axis] * (R2[axis] * (i + 1) as f64).fract() as f32;
+            }
+        }
+        self.sample(&place[0], &place[1], CLEARANCE_POINTS, &mut samples);
+        let mut free = samples.distance;
+        free.retain(|&distance| distance > 0.0);
+        free.sort_by(f32::total_cmp);
+        free.get(free.len() / 2).map_or(0.0, |median| median.min(size[0].max(size[1])))
     }
 
     /// Samples the first `points` points; slices have equal length, a multiple of [`LANES`], and what
