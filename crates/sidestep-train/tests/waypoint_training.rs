@@ -87,7 +87,10 @@ fn bad_configurations_name_field_value_and_range() {
     check("[tasks]\nwaypoints = [9, 3]", "tasks.waypoints: [9, 3]");
     check("[validation]\nseed = 1", "validation.seed: 1");
     check("[imitation]\ngroups = 0", "imitation.groups: 0");
-    check("[[stages]]\nkind = \"imitation\"\nupdates = -1\nlearning_rate = 1.0", "stages: -1");
+    check(
+        "[[stages]]\nkind = \"imitation\"\nupdates = -1\nlearning_rate = 1.0",
+        "stages.updates: -1",
+    );
     check(
         "[[stages]]\nkind = \"imitation\"\nupdates = 10\nlearning_rate = 0",
         "stages.learning_rate: 0",

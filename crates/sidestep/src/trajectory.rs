@@ -1,6 +1,9 @@
 //! A trajectory: a sequence of configurations joined by straight segments.
 
-use crate::geometry::{Point, distance};
+use crate::geometry::{Point, distance, lerp};
+
+/// Points that [`Trajectory::roughness`] looks at.
+pub const ROUGHNESS_POINTS: usize = 64;
 
 /// Configurations from start to goal, both included, as a flat `[points x 2]` buffer in task units.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -34,12 +37,34 @@ impl Trajectory {
         self.segments().map(|(a, b)| distance(a, b)).sum()
     }
 
-    /// Sum of squared second differences of the points: 0 for an evenly spaced straight line.
+    /// Sum of squared second differences of [`ROUGHNESS_POINTS`] points spread evenly by length: 0 for a straight line, and
+    /// comparable between trajectories of different numbers of points.
     pub fn roughness(&self) -> f64 {
-        let second = |a: Point, b: Point, c: Point, axis: usize| a[axis] - 2.0 * b[axis] + c[axis];
-        self.points()
-            .windows(3)
-            .map(|w| (0..2).map(|axis| second(w[0], w[1], w[2], axis).powi(2)).sum::<f64>())
-            .sum()
+        let even = self.evenly(ROUGHNESS_POINTS);
+        let second = |w: &[Point], axis: usize| w[0][axis] - 2.0 * w[1][axis] + w[2][axis];
+        even.windows(3).map(|w| (0..2).map(|axis| second(w, axis).powi(2)).sum::<f64>()).sum()
+    }
+
+    /// `count` points spread evenly by length, both ends included; the points themselves where there are fewer than two.
+    pub fn evenly(&self, count: usize) -> Vec<Point> {
+        let points = self.points();
+        if points.len() < 2 || count < 2 {
+            return points.to_vec();
+        }
+        let step = self.length() / (count - 1) as f64;
+        let (mut leg, mut passed) = (0, 0.0);
+        let mut even = Vec::with_capacity(count);
+        for i in 0..count {
+            let target = step * i as f64;
+            let mut length = distance(points[leg], points[leg + 1]);
+            while passed + length < target && leg + 2 < points.len() {
+                passed += length;
+                leg += 1;
+                length = distance(points[leg], points[leg + 1]);
+            }
+            let t = if length > 0.0 { ((target - passed) / length).clamp(0.0, 1.0) } else { 0.0 };
+            even.push(lerp(points[leg], points[leg + 1], t));
+        }
+        even
     }
 }

@@ -121,8 +121,10 @@ pub struct PolicyGradientConfig {
     pub steps: usize,
     /// Standard deviation of the first noise mode, in pixels; mode k has one k-th of it.
     pub noise_pixels: f32,
-    /// The return of a walk that is solved after t of T steps is 1 - haste t / T.
+    /// The return of a walk that is solved after t of T steps is 1 - haste t / T, ..
     pub haste: f32,
+    /// .. less this times its length beyond the shortest path's, as a part of that (1 at most).
+    pub stretch: f32,
 }
 
 /// The tasks that choose the best policy.
@@ -192,7 +194,7 @@ impl Default for ImitationConfig {
 
 impl Default for PolicyGradientConfig {
     fn default() -> Self {
-        Self { groups: 4, walks: 8, steps: 24, noise_pixels: 0.7, haste: 0.3 }
+        Self { groups: 4, walks: 8, steps: 24, noise_pixels: 0.7, haste: 0.3, stretch: 0.5 }
     }
 }
 
@@ -273,6 +275,7 @@ impl WaypointConfig {
             ("imitation.kick_probability", imitation.kick_probability),
             ("imitation.long_share", imitation.long_share),
             ("policy_gradient.haste", gradient.haste),
+            ("policy_gradient.stretch", gradient.stretch),
         ] {
             if !(0.0..=1.0).contains(&value) {
                 return refuse(field, &value, "a number from 0 to 1");

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! step = output + noise,   noise = sum over k = 1..4 of (sigma / k) z_k phi_k        (in both directions)
-//! R = 1 - haste t / T where the walk is free after t of T steps, else 0
+//! R = 1 - haste t / T - stretch min(length / shortest - 1, 1) where the walk is free after t of T steps, else 0
 //! A = (R - mean of the task) / (standard deviation of the task + 0.1)
 //! d(-A log density) / d output_i = -A sum over k of z_k phi_k(i) / (sigma / k) / |phi_k|^2
 //! ```
@@ -90,12 +90,8 @@ impl Walks {
         if scene.certifier().segment_is_free(task.start, task.goal) {
             return false;
         }
-        if !matches!(
-            scene.shortest_path().find(task.start, task.goal),
-            sidestep::Route::Found { .. }
-        ) {
-            return false;
-        }
+        let route = scene.shortest_path().find(task.start, task.goal);
+        let Some(shortest) = route.length() else { return false };
         let Ok(objective) = Objective::new(&task, scene, waypoints) else { return false };
         let mut walks: Vec<Walk> = (0..settings.walks)
             .map(|_| {
@@ -148,7 +144,11 @@ impl Walks {
             }
         }
         let score = |walk: &Walk| match walk.solved {
-            Some(t) => 1.0 - settings.haste * t as f32 / settings.steps as f32,
+            Some(t) => {
+                let length = objective.trajectory(&walk.x).length();
+                let longer = ((length / shortest - 1.0) as f32).clamp(0.0, 1.0);
+                1.0 - settings.haste * t as f32 / settings.steps as f32 - settings.stretch * longer
+            }
             None => 0.0,
         };
         let returns: Vec<f32> = walks.iter().map(score).collect();

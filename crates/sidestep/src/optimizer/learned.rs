@@ -2,27 +2,16 @@
 //!
 //! ξ ← ξ + clip(π(o)), as the policy was trained: the update clipped per coordinate, positions kept
 //! inside the field where the policy's card says so.
-//!
-//! A waypoint policy that is not through after [`PATIENCE`] steps has met a place where its own updates lead nowhere; from then
-//! on each of its steps is followed by smooth noise, as in its training, until the trajectory is free.
 
 use std::sync::Arc;
-
-use rand_chacha::ChaCha8Rng;
 
 use crate::error::InvalidInput;
 use crate::network::{Scratch, WaypointScratch};
 use crate::objective::Objective;
 use crate::observation::Encoder;
 use crate::policy::{Policy, PolicyNetwork};
-use crate::starts::bend;
 use crate::task::Task;
 use crate::waypoint_view::WaypointView;
-
-/// Steps of a waypoint policy before noise sets in.
-pub const PATIENCE: u32 = 6;
-/// Standard deviation of the noise's first mode, in normalised units.
-const NOISE: f32 = 0.1;
 
 #[derive(Debug)]
 pub(super) struct Learned {
@@ -34,7 +23,7 @@ pub(super) struct Learned {
 #[derive(Debug)]
 enum Sight {
     Whole { encoder: Encoder, observation: Vec<f32>, action: Vec<f32>, scratch: Scratch },
-    Waypoints { view: WaypointView, scratch: WaypointScratch, rng: ChaCha8Rng },
+    Waypoints { view: WaypointView, scratch: WaypointScratch },
 }
 
 impl Learned {
@@ -42,7 +31,6 @@ impl Learned {
         policy: Arc<Policy>,
         task: &Task,
         objective: &Objective,
-        rng: ChaCha8Rng,
     ) -> Result<Self, InvalidInput> {
         policy.check_use(objective.waypoints(), objective.scene().profile().name)?;
         let sight = match policy.network() {
@@ -58,7 +46,6 @@ impl Learned {
             PolicyNetwork::Waypoint { probes, .. } => Sight::Waypoints {
                 view: WaypointView::new(probes, objective),
                 scratch: WaypointScratch::default(),
-                rng,
             },
         };
         Ok(Self { policy, sight })
@@ -75,14 +62,11 @@ impl Learned {
                 network.forward(observation, scratch, action);
                 rule.apply(action, objective.scene().field_size(), x);
             }
-            (PolicyNetwork::Waypoint { network, .. }, Sight::Waypoints { view, scratch, rng }) => {
+            (PolicyNetwork::Waypoint { network, .. }, Sight::Waypoints { view, scratch }) => {
                 let (waypoints, stride) = (objective.waypoints(), network.input_stride());
                 view.encode(objective, x, scratch.input(waypoints, stride), stride);
                 network.forward(scratch, waypoints);
                 view.apply(rule, |i| scratch.output(i), x);
-                if view.age() >= patience() && !view.is_free() {
-                    bend(x, noise(), rng);
-                }
             }
             // `new` made the sight that belongs to the network.
             _ => {}
@@ -93,11 +77,4 @@ impl Learned {
     pub fn uses_gradient(&self) -> bool {
         matches!(self.sight, Sight::Whole { .. })
     }
-}
-
-fn patience() -> u32 {
-    std::env::var("PATIENCE").ok().and_then(|v| v.parse().ok()).unwrap_or(PATIENCE)
-}
-fn noise() -> f32 {
-    std::env::var("NOISE").ok().and_then(|v| v.parse().ok()).unwrap_or(NOISE)
 }
