@@ -13,7 +13,7 @@ use sidestep::geometry::Point;
 use sidestep::objective::Scene;
 use sidestep::plan::{Plan, Status, Stop, plan_in};
 use sidestep::run::Iteration;
-use sidestep::{Task, Trajectory};
+use sidestep::{InvalidInput, Robot, Task, Trajectory};
 
 use crate::Global;
 use crate::failure::Failure;
@@ -53,6 +53,9 @@ pub struct PlanArgs {
     /// Stop after this many milliseconds with the best certified plan so far
     #[arg(long, allow_negative_numbers = true)]
     budget_ms: Option<f64>,
+    /// Distance that the plan keeps from obstacles and walls, certified as if the robot were so much larger, in task units
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    margin: f64,
     /// Start from the waypoints of this plan (a file that `plan --out` wrote)
     #[arg(long)]
     warm_start: Option<PathBuf>,
@@ -165,24 +168,37 @@ fn attempt(args: &PlanArgs, task: &Task, name: &str) -> Result<Attempt, Failure>
         ms => ms.map(|ms| Duration::from_secs_f64(ms / 1e3)),
     };
     let trace = Mutex::new(Vec::new());
+    let asked = with_margin(task, args.margin)?;
     let begin = Instant::now();
-    let scene = Arc::new(Scene::of(task, &options.profile));
+    let scene = Arc::new(Scene::of(&asked, &options.profile));
     let watch = |iteration: &Iteration<'_>| {
         if args.trace
             && let Ok(mut steps) = trace.lock()
         {
-            steps.push(step(&scene, task, iteration));
+            steps.push(step(&scene, &asked, iteration));
         }
         match budget {
             Some(budget) if begin.elapsed() >= budget => ControlFlow::Break(()),
             _ => ControlFlow::Continue(()),
         }
     };
-    let plan = plan_in(&scene, task, &planner, &options, &watch)?;
+    let plan = plan_in(&scene, &asked, &planner, &options, &watch)?;
     let time = begin.elapsed();
+    // What is reported and drawn is the robot itself.
+    let scene = if args.margin > 0.0 { Arc::new(Scene::of(task, &options.profile)) } else { scene };
     let mut trace = trace.into_inner().unwrap_or_default();
     trace.sort_by_key(|step| (step.start, step.iteration));
     Ok(Attempt { planner: name.into(), scene, plan, time, trace })
+}
+
+/// The task for a robot that is larger by `margin`.
+fn with_margin(task: &Task, margin: f64) -> Result<Task, Failure> {
+    let most = task.world.bounds().extent();
+    if !(0.0..=most).contains(&margin) {
+        let allowed = format!("a number from 0 to {most}, the field's extent");
+        return Err(InvalidInput::new("--margin", margin, allowed).into());
+    }
+    Ok(Task { robot: Robot::disc(task.robot.radius() + margin)?, ..task.clone() })
 }
 
 /// An iterate in task units.

@@ -54,7 +54,7 @@ impl Trajectory {
         let step = self.length() / (count - 1) as f64;
         let (mut leg, mut passed) = (0, 0.0);
         let mut even = Vec::with_capacity(count);
-        for i in 0..count {
+        for i in 0..count - 1 {
             let target = step * i as f64;
             let mut length = distance(points[leg], points[leg + 1]);
             while passed + length < target && leg + 2 < points.len() {
@@ -65,6 +65,34 @@ impl Trajectory {
             let t = if length > 0.0 { ((target - passed) / length).clamp(0.0, 1.0) } else { 0.0 };
             even.push(lerp(points[leg], points[leg + 1], t));
         }
+        even.push(points[points.len() - 1]);
         even
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn evenly_spread_points_keep_the_ends_and_the_distances() {
+        let path = Trajectory::from_points(&[[0.1, 0.3], [3.1, 0.3], [3.1, 4.3]]);
+        let even = path.evenly(15);
+        assert_eq!((even[0], even[14]), ([0.1, 0.3], [3.1, 4.3]));
+        assert!((even[6][0] - 3.1).abs() < 1e-12 && (even[6][1] - 0.3).abs() < 1e-12);
+        for pair in even.windows(2) {
+            assert!((distance(pair[0], pair[1]) - 0.5).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn roughness_does_not_depend_on_how_many_points_a_line_has() {
+        let bent = |extra: &[Point]| {
+            let points = [&[[0.0, 0.0], [4.0, 0.0]], extra, &[[4.0, 4.0]]].concat();
+            Trajectory::from_points(&points).roughness()
+        };
+        assert!((bent(&[]) - bent(&[[4.0, 1.0], [4.0, 2.5]])).abs() < 1e-9);
+        assert!(Trajectory::from_points(&[[0.0, 1.0], [7.0, 3.0]]).roughness() < 1e-20);
+        assert!(bent(&[]) > 1e-3);
     }
 }

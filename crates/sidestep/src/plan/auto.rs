@@ -1,18 +1,20 @@
 //! The planner for people who want a path: an optimizer, and the exact shortest path behind it.
 //!
-//! 1. The optimizer, from the straight line and as many starts as asked for. A plan hardly longer
+//! 1. The straight line itself, where nothing is asked for but the first plan.
+//! 2. The optimizer, from the straight line and as many starts as asked for. A plan hardly longer
 //!    than the straight line is the answer.
-//! 2. The exact shortest path, which also proves that there is none. A plan of step 1 hardly
+//! 3. The exact shortest path, which also proves that there is none. A plan of step 2 hardly
 //!    longer than it is the answer.
-//! 3. The shortest path made smooth ([`crate::smooth`]).
-//! 4. The shortest path itself.
+//! 4. The shortest path made smooth ([`crate::smooth`]).
+//! 5. The shortest path itself.
 //!
 //! So every task is answered that the exact search decides, and no plan is longer than
 //! [`LONGEST`] times the shortest. Where the search does not decide, random starts follow.
 
 use std::sync::Arc;
 
-use super::{Options, Origin, Plan, Status, Watch, optimize, shortest};
+use super::{Options, Origin, Plan, Status, Stop, Watch, optimize, shortest};
+use crate::certificate::Certifier;
 use crate::error::InvalidInput;
 use crate::geometry::distance;
 use crate::objective::Scene;
@@ -35,6 +37,12 @@ pub(super) fn auto(
     options: &Options,
     watch: Watch<'_>,
 ) -> Result<Plan, InvalidInput> {
+    if options.stop == Stop::First && options.warm_start.is_none() {
+        let certifier = scene.certifier();
+        if certifier.segment_is_free(task.start, task.goal) {
+            return Ok(straight(certifier, task, options.waypoints()));
+        }
+    }
     let optimized = match method {
         Method::Learned(_) => {
             let options = Options { steps: options.steps.min(LEARNED_STEPS), ..options.clone() };
@@ -73,6 +81,16 @@ pub(super) fn auto(
         },
         None => exact,
     })
+}
+
+/// The straight line, which was certified, with waypoints unless rounding puts one of them too close.
+fn straight(certifier: &Certifier, task: &Task, waypoints: usize) -> Plan {
+    let line = Trajectory::from_points(&[task.start, task.goal]);
+    let points = line.evenly(waypoints.saturating_add(2));
+    let trajectory =
+        if certifier.is_certified(&points) { Trajectory::from_points(&points) } else { line };
+    let (status, trajectory) = (Status::Solved, Some(trajectory));
+    Plan { status, trajectory, steps: 0, origin: Origin::FirstStart }
 }
 
 #[cfg(test)]
