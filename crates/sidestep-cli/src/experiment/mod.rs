@@ -93,9 +93,8 @@ fn train_all(
     folder: &Path,
     quiet: bool,
 ) -> Result<Vec<Vec<Trained>>, Failure> {
-    let jobs: Vec<(usize, u64)> = (0..experiment.policies.len())
-        .flat_map(|entry| experiment.training_seeds.iter().map(move |&seed| (entry, seed)))
-        .collect();
+    let seeds = |(index, entry)| experiment.seeds(entry).iter().map(move |&seed| (index, seed));
+    let jobs: Vec<(usize, u64)> = experiment.policies.iter().enumerate().flat_map(seeds).collect();
     let bar = output::progress("training", jobs.len() as u64, quiet);
     let mut trained: Vec<(usize, Trained)> = jobs
         .into_par_iter()
