@@ -32,7 +32,8 @@ pub struct PlanningArgs {
     /// Waypoints between start and goal [default: the profile's 10]
     #[arg(long, allow_negative_numbers = true)]
     waypoints: Option<usize>,
-    /// Distance under which closeness to obstacles costs, in task units [default: a 6.4th of the field]
+    /// Distance under which closeness to obstacles costs, in task units [default: a 6.4th of
+    /// the field, on a map at most the typical clearance]
     #[arg(long, allow_negative_numbers = true)]
     clearance: Option<f64>,
     /// Seed of random starts, random planners and what a file of worlds leaves open
@@ -46,21 +47,22 @@ impl PlanningArgs {
     pub fn options(&self, extent: f64, planners: &[&Planner]) -> Result<Options, Failure> {
         let policy = planners.iter().find_map(|planner| match planner {
             Planner::Optimizer(Method::Learned(policy))
-            | Planner::Auto(Method::Learned(policy)) => Some(policy.card()),
+            | Planner::Auto(Method::Learned(policy)) => Some(policy),
             _ => None,
         });
-        let default_profile = policy.map_or("default", |card| card.profile.as_str());
+        let default_profile = policy.and_then(|policy| policy.fixed_profile()).unwrap_or("default");
         let mut profile = Profile::named(self.profile.as_deref().unwrap_or(default_profile))?;
         if let Some(clearance) = self.clearance {
             if !(clearance > 0.0 && clearance <= extent) {
                 let allowed = format!("a number above 0 and at most {extent}, the field's extent");
                 return Err(InvalidInput::new("--clearance", clearance, allowed).into());
             }
+            profile.fits_epsilon_to_maps = false;
             profile.epsilon = clearance / extent * sidestep::profile::NORMALISED_EXTENT;
         }
         Ok(Options {
             profile,
-            waypoints: self.waypoints.or(policy.map(|card| card.waypoints)),
+            waypoints: self.waypoints.or(policy.and_then(|policy| policy.fixed_waypoints())),
             starts: self.starts,
             strategy: StartStrategy::named(&self.start_strategy)?,
             steps: self.steps,

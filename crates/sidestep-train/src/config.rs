@@ -4,7 +4,7 @@
 //! out of range is an error that names the field, the value and the range.
 
 mod check;
-mod toml_file;
+pub mod toml_file;
 
 use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
@@ -151,7 +151,7 @@ impl TrainConfig {
     /// # Errors
     /// If it is no TOML, has an unknown key or a value of the wrong kind or out of range.
     pub fn from_toml(text: &str) -> Result<Self, InvalidInput> {
-        let config = toml_file::parse(text)?;
+        let config: Self = toml_file::parse(text)?;
         config.check()?;
         Ok(config)
     }

@@ -7,20 +7,11 @@
 //! entropy    = sum_j s_j + (1 + ln(2 pi)) / 2
 //! ```
 
-use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+pub use sidestep::rng::standard_normal;
 
 /// ln(2 pi) / 2.
 const HALF_LN_TWO_PI: f32 = 0.918_938_5;
-
-/// Two independent standard normal numbers (Box and Muller 1958). It always takes four words of the stream, so a
-/// stream's position tells how many were drawn; 53 bits of the uniform reach to 8.6 standard deviations.
-pub fn standard_normal(rng: &mut ChaCha8Rng) -> [f32; 2] {
-    // 1 - u lies in (0, 1], so the logarithm is finite.
-    let radius = (-2.0 * (1.0 - rng.random::<f64>()).ln()).sqrt();
-    let (sin, cos) = (std::f64::consts::TAU * rng.random::<f64>()).sin_cos();
-    [(radius * cos) as f32, (radius * sin) as f32]
-}
 
 /// Draws `action = mean + exp(log_std) * noise`, all `[actions]`.
 pub fn sample(mean: &[f32], log_std: &[f32], rng: &mut ChaCha8Rng, action: &mut [f32]) {

@@ -16,8 +16,10 @@ pub mod optimizer;
 pub mod ppo;
 pub mod trainer;
 pub mod validation;
+pub mod waypoint;
 
 pub use agent::Agent;
 pub use config::TrainConfig;
 pub use initialization::Initialization;
 pub use trainer::{Progress, Stage, Trainer};
+pub use waypoint::{WaypointConfig, WaypointTrainer};

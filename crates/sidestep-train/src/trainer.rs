@@ -20,7 +20,7 @@ use crate::ppo::{self, Rollout, UpdateMetrics};
 use crate::validation::{Validation, validate};
 
 /// Licence of the weights that training makes.
-const LICENCE: &str = "MIT OR Apache-2.0";
+pub(crate) const LICENCE: &str = "MIT OR Apache-2.0";
 
 /// Which part of the training a unit belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

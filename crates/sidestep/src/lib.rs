@@ -25,12 +25,15 @@ mod robot;
 pub mod rrt_connect;
 pub mod run;
 mod sampled_check;
+pub mod shipped;
 pub mod shortest_path;
+pub mod smooth;
 pub mod starts;
 pub mod suite;
 mod task;
 pub mod tensors;
 mod trajectory;
+pub mod waypoint_view;
 mod world;
 
 pub use certificate::{Certifier, Violation, certify};

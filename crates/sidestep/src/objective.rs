@@ -15,13 +15,16 @@ use crate::distance::{Field, LANES, Samples};
 use crate::error::InvalidInput;
 use crate::geometry::Point;
 use crate::kernels::{Isa, dispatch};
-use crate::profile::{Averaging, Feasibility, Frame, MAX_WAYPOINTS, Profile};
+use crate::profile::{Averaging, DistanceKind, Feasibility, Frame, MAX_WAYPOINTS, Profile};
 use crate::robot::Robot;
 use crate::sampled_check::SampledCheck;
 use crate::shortest_path::ShortestPath;
 use crate::task::Task;
 use crate::trajectory::Trajectory;
 use crate::world::World;
+
+/// A world of more shapes than this is a map.
+pub const MOST_SHAPES_OF_A_FIELD: usize = 32;
 
 /// All that a world, a robot and a profile determine, shared by every task and start in it. What
 /// only some planners use is prepared when it is first asked for.
@@ -33,6 +36,8 @@ pub struct Scene {
     frame: Frame,
     field_size: [f32; 2],
     field: OnceLock<Field>,
+    exact_field: OnceLock<Field>,
+    typical_clearance: OnceLock<f64>,
     sampled: Option<SampledCheck>,
     certifier: Certifier,
     exact: OnceLock<ShortestPath>,
@@ -55,6 +60,8 @@ impl Scene {
             frame,
             field_size: world.bounds().size().map(|side| (side / frame.scale) as f32),
             field: OnceLock::new(),
+            exact_field: OnceLock::new(),
+            typical_clearance: OnceLock::new(),
             sampled,
             certifier: Certifier::new(world, robot),
             exact: OnceLock::new(),
@@ -84,6 +91,39 @@ impl Scene {
     /// The signed distance field.
     pub fn field(&self) -> &Field {
         self.field.get_or_init(|| Field::new(&self.world, self.robot, &self.profile))
+    }
+
+    /// The exact signed distance field, whatever the profile's own is.
+    pub fn exact_field(&self) -> &Field {
+        match self.profile.distance {
+            DistanceKind::Exact => self.field(),
+            DistanceKind::PaperImage => {
+                self.exact_field.get_or_init(|| Field::exact(&self.world, self.robot, &self.frame))
+            }
+        }
+    }
+
+    /// Half the width of a typical passage: the median distance over the free space, in normalised
+    /// units.
+    pub fn typical_clearance(&self) -> f64 {
+        let clearance = || self.field().typical_clearance(self.field_size).into();
+        *self.typical_clearance.get_or_init(clearance)
+    }
+
+    /// The clearance ε under which a point is penalised: the profile's, and on a map at most the
+    /// typical clearance. A map is a world with a grid or more than [`MOST_SHAPES_OF_A_FIELD`]
+    /// shapes; on one, the profile's ε would reach through walls into the next passage.
+    pub fn epsilon(&self) -> f64 {
+        let is_map =
+            self.world.grid().is_some() || self.world.obstacles().len() > MOST_SHAPES_OF_A_FIELD;
+        let epsilon = self.profile.epsilon;
+        if !(is_map && self.profile.fits_epsilon_to_maps) {
+            return epsilon;
+        }
+        match self.typical_clearance() {
+            clearance if clearance > 0.0 => epsilon.min(clearance),
+            _ => epsilon,
+        }
     }
 
     /// The exact search; what it prepares is shared by all that ask for it.
@@ -117,6 +157,8 @@ pub struct Objective {
     task_start: Point,
     task_goal: Point,
     waypoints: usize,
+    epsilon: f32,
+    lambda: f32,
     buffers: Buffers,
     isa: Isa,
 }
@@ -170,6 +212,8 @@ impl Objective {
             task_start: task.start,
             task_goal: task.goal,
             waypoints,
+            epsilon: scene.epsilon() as f32,
+            lambda: scene.profile.lambda as f32,
             buffers: Buffers {
                 fractions: (1..=substeps).map(|j| j as f32 / period as f32).collect(),
                 weights,
@@ -183,6 +227,11 @@ impl Objective {
         })
     }
 
+    /// The same with another clearance ε and weight λ of length, in normalised units.
+    pub fn with_weights(self, epsilon: f64, lambda: f64) -> Self {
+        Self { epsilon: epsilon as f32, lambda: lambda as f32, ..self }
+    }
+
     /// Number of free waypoints N.
     pub fn waypoints(&self) -> usize {
         self.waypoints
@@ -191,6 +240,12 @@ impl Objective {
     /// Length of the flat `[N x 2]` state.
     pub fn dim(&self) -> usize {
         2 * self.waypoints
+    }
+
+    /// Whether the robot may move straight between two points of normalised units, by the exact check.
+    pub fn segment_is_free(&self, from: [f32; 2], to: [f32; 2]) -> bool {
+        let frame = self.scene.frame;
+        self.scene.certifier.segment_is_free(frame.to_task(from), frame.to_task(to))
     }
 
     /// Start, in normalised units.
@@ -296,18 +351,17 @@ fn evaluate_body<const ISA: u8>(
     x: &[f32],
     gradient: Option<&mut [f32]>,
 ) -> Cost {
-    let Objective { scene, start, goal, buffers, .. } = objective;
+    let Objective { scene, start, goal, epsilon, lambda, buffers, .. } = objective;
     let profile = &scene.profile;
-    let waypoints = x.as_chunks::<2>().0;
+    let (waypoints, lambda) = (x.as_chunks::<2>().0, *lambda);
     buffers.place_points(*start, waypoints, *goal);
     let points = (waypoints.len() + 1) * (profile.substeps + 1) - 1;
     scene.field().sample(&buffers.x, &buffers.y, points, &mut buffers.samples);
     let obstacle = buffers.costs_and_slopes(
-        profile.epsilon as f32,
+        *epsilon,
         profile.obstacle_gradient_factor as f32,
         gradient.is_some(),
     );
-    let lambda = profile.lambda as f32;
     let mut length = 0.0;
     let mut from = *start;
     for &to in waypoints.iter().chain([&*goal]) {

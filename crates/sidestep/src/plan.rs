@@ -2,8 +2,10 @@
 //!
 //! A plan is [`Status::Solved`] only when the exact certificate passes its trajectory, whatever the
 //! profile calls feasible. Optimizers run from several starts, and the best certified plan wins;
-//! [`Planner::Auto`] goes on to the exact shortest path where optimizers fail, so it answers every
-//! task that has an answer.
+//! [`Planner::Auto`] goes on to the exact shortest path where optimizers fail (`auto`), so it
+//! answers every task that has an answer.
+
+mod auto;
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -32,8 +34,7 @@ pub enum Planner {
     RrtConnect(RrtConnect),
     /// The exact shortest path.
     ShortestPath,
-    /// The optimizer from the straight line, then from random starts, then from the exact shortest
-    /// path, then that path itself.
+    /// The optimizer; where that fails or finds a detour, the exact shortest path made smooth.
     Auto(Method),
 }
 
@@ -193,8 +194,8 @@ pub enum Origin {
     FirstStart,
     /// An optimizer from a random start of this number, from 1.
     RandomStart(usize),
-    /// An optimizer from the exact shortest path.
-    ShortestPathStart,
+    /// The exact shortest path, made smooth.
+    SmoothShortestPath,
     /// The exact shortest path itself.
     ShortestPath,
     /// A tree of random samples.
@@ -206,7 +207,7 @@ impl std::fmt::Display for Origin {
         match self {
             Self::FirstStart => f.write_str("optimized from the first start"),
             Self::RandomStart(start) => write!(f, "optimized from random start {start}"),
-            Self::ShortestPathStart => f.write_str("optimized from the shortest path"),
+            Self::SmoothShortestPath => f.write_str("smoothed from the shortest path"),
             Self::ShortestPath => f.write_str("the shortest path"),
             Self::Tree => f.write_str("a random tree"),
         }
@@ -284,7 +285,7 @@ pub fn plan_in(
             Ok(or_proof(tree(scene.certifier(), task, rrt, options), scene, task, options))
         }
         Planner::ShortestPath => Ok(shortest(scene, task)),
-        Planner::Auto(method) => auto(scene, task, method, options, watch),
+        Planner::Auto(method) => auto::auto(scene, task, method, options, watch),
     }
 }
 
@@ -443,32 +444,4 @@ fn tree(certifier: &Certifier, task: &Task, rrt: &RrtConnect, options: &Options)
         None => Status::Unsolved(Reason::SamplesSpent { samples }),
     };
     Plan { status, trajectory, steps: 0, origin: Origin::Tree }
-}
-
-/// Random starts that `auto` tries at least before it asks the exact search.
-const AUTO_STARTS: usize = 4;
-
-fn auto(
-    scene: &Arc<Scene>,
-    task: &Task,
-    method: &Method,
-    options: &Options,
-    watch: Watch<'_>,
-) -> Result<Plan, InvalidInput> {
-    let starts = options.starts.max(AUTO_STARTS);
-    let from_line = optimize(scene, task, method, &Options { starts, ..options.clone() }, watch)?;
-    if from_line.status == Status::Solved {
-        return Ok(from_line);
-    }
-    let exact = shortest(scene, task);
-    let Some(route) = exact.trajectory.as_ref().filter(|_| exact.status == Status::Solved) else {
-        let trajectory = from_line.trajectory;
-        return Ok(Plan { trajectory, ..exact });
-    };
-    let warm = Options { starts: 1, warm_start: Some(route.clone()), ..options.clone() };
-    let polished = optimize(scene, task, method, &warm, watch)?;
-    if polished.status == Status::Solved {
-        return Ok(Plan { origin: Origin::ShortestPathStart, ..polished });
-    }
-    Ok(exact)
 }

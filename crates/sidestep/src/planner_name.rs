@@ -8,10 +8,13 @@ use crate::optimizer::Method;
 use crate::plan::Planner;
 use crate::policy::Policy;
 use crate::rrt_connect::RrtConnect;
+use crate::shipped;
 
 /// Every planner name with its options and what it is, for help and suggestions.
-pub const PLANNERS: [(&str, &str, &str); 12] = [
-    ("auto", "", "optimizer, then more starts, then the exact shortest path (default)"),
+pub const PLANNERS: [(&str, &str, &str); 14] = [
+    ("auto", "", "an optimizer, then the exact shortest path made smooth (default)"),
+    ("sidestep-1", "", "the shipped policy"),
+    ("sidestep-1-small", "", "a smaller and faster one"),
     ("gd", "step", "gradient descent"),
     ("gd-line-search", "step", "gradient descent with backtracking line search"),
     ("momentum", "step,decay", "gradient descent with momentum"),
@@ -35,9 +38,9 @@ pub fn nearest_name<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, candidate)| candidate)
 }
 
-/// The optimizer of `auto`, until a learned one takes its place.
+/// The optimizer of `auto`.
 fn auto_method() -> Method {
-    Method::GradientDescent { step: None }
+    Method::Learned(shipped::sidestep_1())
 }
 
 /// Parses a planner name; `load` reads the policy at a path.
@@ -85,6 +88,8 @@ pub fn parse_planner(
             rollouts: options.number("rollouts", 1.0, 10_000.0)?.unwrap_or(16.0) as usize,
             noise: options.number("noise", 1e-6, 100.0)?.unwrap_or(0.5),
         }),
+        "sidestep-1" => optimizer(Method::Learned(shipped::sidestep_1())),
+        "sidestep-1-small" => optimizer(Method::Learned(shipped::sidestep_1_small())),
         "shortest-path" => Ok(Planner::ShortestPath),
         _ => {
             let mut rrt = RrtConnect::default();

@@ -1,22 +1,30 @@
 //! A policy: a network with the card that says what it sees, what its output means and where it comes from.
 //!
+//! There are two architectures: `mlp`, the paper's, sees a trajectory of a certain number of waypoints as a whole; `waypoint`
+//! has one network for each waypoint ([`WaypointNet`]), and serves any number of them and either profile.
+//!
 //! On file it is a safetensors file ([`crate::tensors`]) with tensors `layers.L.weight [outputs x inputs]` and
 //! `layers.L.bias [outputs]`, and the card as its document. A file is checked as a whole before it is used:
 //! version, observation, sizes, every tensor's shape, every number finite.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::error::InvalidInput;
-use crate::network::{Mlp, Scratch};
+use crate::network::{Mlp, WaypointNet, WaypointShape};
 use crate::observation::{ObservationPart, observation_len};
 use crate::profile::{MAX_WAYPOINTS, Profile};
 use crate::tensors::{self, Reader, Tensor};
+use crate::waypoint_view::Probes;
 
 /// The version of the policy file that this program writes and reads.
 pub const FORMAT: &str = "sidestep.policy/1";
 
-/// The one architecture so far: tanh, tanh, .., linear.
-const ARCHITECTURE: &str = "mlp";
+/// Dense layers over a whole trajectory: tanh, tanh, .., linear.
+const MLP: &str = "mlp";
+/// One network for every waypoint.
+const WAYPOINT: &str = "waypoint";
 
 /// From a network's output to an update of the trajectory.
 ///
@@ -67,15 +75,16 @@ impl ActionRule {
 pub struct PolicyCard {
     /// [`FORMAT`].
     pub format: String,
-    /// `mlp`: dense layers, tanh between them.
+    /// `mlp` or `waypoint`.
     pub architecture: String,
-    /// Layer sizes `[observation, hidden.., 2 x waypoints]`.
+    /// Of an `mlp`, the layers' sizes `[observation, hidden.., 2 x waypoints]`; of a `waypoint` network
+    /// `[row, width, dilation..]`.
     pub sizes: Vec<usize>,
-    /// Waypoints N of the trajectories that it updates.
+    /// Waypoints N of the trajectories that it updates; a `waypoint` network was trained mostly for so many.
     pub waypoints: usize,
-    /// Names of the observation's parts, in order; see [`ObservationPart::named`].
+    /// Names of the observation's parts, in order; see [`ObservationPart::named`] and [`Probes::from_parts`].
     pub observation: Vec<String>,
-    /// Name of the profile whose objective it was trained on.
+    /// Name of the profile that it was trained in; an `mlp` serves no other.
     pub profile: String,
     /// What its output means.
     pub action: ActionRule,
@@ -85,25 +94,59 @@ pub struct PolicyCard {
     pub licence: String,
 }
 
+/// What a policy sees and thinks with.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PolicyNetwork {
+    /// Sees the trajectory as a whole.
+    Mlp {
+        /// The observation's parts, in order.
+        parts: Vec<ObservationPart>,
+        /// From observation to update.
+        network: Mlp,
+    },
+    /// Sees each waypoint with its surroundings.
+    Waypoint {
+        /// The view's probes.
+        probes: Probes,
+        /// From the view's rows to updates.
+        network: WaypointNet,
+    },
+}
+
 /// A network that updates trajectories, with its card.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Policy {
     card: PolicyCard,
-    parts: Vec<ObservationPart>,
-    network: Mlp,
+    network: PolicyNetwork,
 }
 
 impl Policy {
-    /// A policy from its parts; the card's format, architecture and sizes are filled in from the network.
+    /// A policy of a whole trajectory; the card's format, architecture and sizes are filled in from the network.
     ///
     /// # Errors
     /// If the observation, the network and the number of waypoints do not fit each other, or a number of the card is not allowed.
     pub fn new(mut card: PolicyCard, network: Mlp) -> Result<Self, InvalidInput> {
         card.format = FORMAT.into();
-        card.architecture = ARCHITECTURE.into();
+        card.architecture = MLP.into();
         card.sizes = network.sizes().to_vec();
-        let parts = check_card(&card)?;
-        Ok(Self { card, parts, network })
+        check_card(&card)?;
+        let parts = check_mlp(&card)?;
+        Ok(Self { card, network: PolicyNetwork::Mlp { parts, network } })
+    }
+
+    /// A policy with weights shared over waypoints; the card's format, architecture and sizes are filled in from the network.
+    ///
+    /// # Errors
+    /// If the observation and the network do not fit each other, or a number of the card is not allowed.
+    pub fn of_waypoints(mut card: PolicyCard, network: WaypointNet) -> Result<Self, InvalidInput> {
+        card.format = FORMAT.into();
+        card.architecture = WAYPOINT.into();
+        let shape = network.shape();
+        card.sizes = vec![shape.inputs, shape.width];
+        card.sizes.extend_from_slice(&shape.dilations);
+        check_card(&card)?;
+        let (probes, _) = check_waypoint(&card)?;
+        Ok(Self { card, network: PolicyNetwork::Waypoint { probes, network } })
     }
 
     /// The card.
@@ -111,40 +154,41 @@ impl Policy {
         &self.card
     }
 
-    /// The observation's parts, in order.
-    pub fn observation(&self) -> &[ObservationPart] {
-        &self.parts
-    }
-
-    /// The network.
-    pub fn network(&self) -> &Mlp {
+    /// The network with what it sees.
+    pub fn network(&self) -> &PolicyNetwork {
         &self.network
     }
 
-    /// Checks that the policy can update trajectories of so many waypoints.
-    ///
-    /// # Errors
-    /// If it was trained for another number; the message names both.
-    pub fn check_waypoints(&self, waypoints: usize) -> Result<(), InvalidInput> {
-        if waypoints == self.card.waypoints {
-            return Ok(());
+    /// The number of waypoints that the policy is bound to, if it is.
+    pub fn fixed_waypoints(&self) -> Option<usize> {
+        match self.network {
+            PolicyNetwork::Mlp { .. } => Some(self.card.waypoints),
+            PolicyNetwork::Waypoint { .. } => None,
         }
-        let allowed = format!("{}, which the policy was trained for", self.card.waypoints);
-        Err(InvalidInput::new("waypoints", waypoints, allowed))
     }
 
-    /// One iteration: moves the waypoints `x [N x 2]` as the network says at `observation`. `field` is the extent of the
-    /// bounds in normalised units; `action [N x 2]` receives the network's output.
-    pub fn step(
-        &self,
-        observation: &[f32],
-        scratch: &mut Scratch,
-        field: [f32; 2],
-        action: &mut [f32],
-        x: &mut [f32],
-    ) {
-        self.network.forward(observation, scratch, action);
-        self.card.action.apply(action, field, x);
+    /// The profile that the policy is bound to, if it is.
+    pub fn fixed_profile(&self) -> Option<&str> {
+        match self.network {
+            PolicyNetwork::Mlp { .. } => Some(&self.card.profile),
+            PolicyNetwork::Waypoint { .. } => None,
+        }
+    }
+
+    /// Checks that the policy can update trajectories of so many waypoints in the profile of that name.
+    ///
+    /// # Errors
+    /// If it was trained for another number or profile and is bound to it; the message names both.
+    pub fn check_use(&self, waypoints: usize, profile: &str) -> Result<(), InvalidInput> {
+        if let Some(fixed) = self.fixed_waypoints().filter(|fixed| *fixed != waypoints) {
+            let allowed = format!("{fixed}, which the policy was trained for");
+            return Err(InvalidInput::new("waypoints", waypoints, allowed));
+        }
+        if let Some(fixed) = self.fixed_profile().filter(|fixed| *fixed != profile) {
+            let allowed = format!("{fixed}, which the policy was trained in");
+            return Err(InvalidInput::new("profile", profile, allowed));
+        }
+        Ok(())
     }
 
     /// The policy file.
@@ -152,7 +196,14 @@ impl Policy {
     /// # Errors
     /// Never for a policy made by this module; kept for the writer's sake.
     pub fn to_safetensors(&self) -> Result<Vec<u8>, InvalidInput> {
-        tensors::write(&self.card, &network_tensors(&self.network, ""))
+        let tensors = match &self.network {
+            PolicyNetwork::Mlp { network, .. } => network_tensors(network, ""),
+            PolicyNetwork::Waypoint { network, .. } => {
+                let sizes = network.shape().layer_sizes();
+                layer_tensors(&sizes, network.layer_ranges(), network.parameters(), "")
+            }
+        };
+        tensors::write(&self.card, &tensors)
     }
 
     /// Reads a policy file.
@@ -163,19 +214,38 @@ impl Policy {
     pub fn from_safetensors(bytes: &[u8]) -> Result<Self, InvalidInput> {
         let mut reader = Reader::new(bytes, "policy", FORMAT)?;
         let card: PolicyCard = reader.document()?;
-        let parts = check_card(&card)?;
-        let network = read_network(&mut reader, &card.sizes, "")?;
+        check_card(&card)?;
+        let network = match card.architecture.as_str() {
+            WAYPOINT => {
+                let (probes, shape) = check_waypoint(&card)?;
+                let parameters = read_layers(&mut reader, &shape.layer_sizes(), "")?;
+                PolicyNetwork::Waypoint { probes, network: WaypointNet::new(&shape, parameters)? }
+            }
+            _ => {
+                let parts = check_mlp(&card)?;
+                let network = read_network(&mut reader, &card.sizes, "")?;
+                PolicyNetwork::Mlp { parts, network }
+            }
+        };
         reader.finish()?;
-        Ok(Self { card, parts, network })
+        Ok(Self { card, network })
     }
 }
 
 /// The tensors `PREFIXlayers.L.weight` and `PREFIXlayers.L.bias` of a network.
 pub fn network_tensors<'a>(network: &'a Mlp, prefix: &str) -> Vec<Tensor<'a>> {
-    let parameters = network.parameters();
+    let sizes: Vec<_> = network.sizes().windows(2).map(|pair| (pair[0], pair[1])).collect();
+    layer_tensors(&sizes, network.layer_ranges(), network.parameters(), prefix)
+}
+
+fn layer_tensors<'a>(
+    sizes: &[(usize, usize)],
+    ranges: impl Iterator<Item = (Range<usize>, Range<usize>)>,
+    parameters: &'a [f32],
+    prefix: &str,
+) -> Vec<Tensor<'a>> {
     let mut tensors = Vec::new();
-    for (layer, (weights, biases)) in network.layer_ranges().enumerate() {
-        let (inputs, outputs) = (network.sizes()[layer], network.sizes()[layer + 1]);
+    for (layer, (&(inputs, outputs), (weights, biases))) in sizes.iter().zip(ranges).enumerate() {
         let name = format!("{prefix}layers.{layer}");
         tensors.push((format!("{name}.weight"), vec![outputs, inputs], &parameters[weights]));
         tensors.push((format!("{name}.bias"), vec![outputs], &parameters[biases]));
@@ -193,25 +263,58 @@ pub fn read_network(
     prefix: &str,
 ) -> Result<Mlp, InvalidInput> {
     Mlp::parameter_count(sizes)?;
-    let mut parameters = Vec::new();
-    for (layer, pair) in sizes.windows(2).enumerate() {
-        let name = format!("{prefix}layers.{layer}");
-        parameters.extend(reader.tensor(&format!("{name}.weight"), &[pair[1], pair[0]])?);
-        parameters.extend(reader.tensor(&format!("{name}.bias"), &[pair[1]])?);
-    }
-    Mlp::new(sizes, parameters)
+    let layers: Vec<_> = sizes.windows(2).map(|pair| (pair[0], pair[1])).collect();
+    Mlp::new(sizes, read_layers(reader, &layers, prefix)?)
 }
 
-fn check_card(card: &PolicyCard) -> Result<Vec<ObservationPart>, InvalidInput> {
-    if card.architecture != ARCHITECTURE {
-        return Err(InvalidInput::new("policy.architecture", &card.architecture, ARCHITECTURE));
+fn read_layers(
+    reader: &mut Reader,
+    sizes: &[(usize, usize)],
+    prefix: &str,
+) -> Result<Vec<f32>, InvalidInput> {
+    let mut parameters = Vec::new();
+    for (layer, &(inputs, outputs)) in sizes.iter().enumerate() {
+        let name = format!("{prefix}layers.{layer}");
+        parameters.extend(reader.tensor(&format!("{name}.weight"), &[outputs, inputs])?);
+        parameters.extend(reader.tensor(&format!("{name}.bias"), &[outputs])?);
+    }
+    Ok(parameters)
+}
+
+fn check_card(card: &PolicyCard) -> Result<(), InvalidInput> {
+    if ![MLP, WAYPOINT].contains(&card.architecture.as_str()) {
+        let allowed = format!("{MLP} or {WAYPOINT}");
+        return Err(InvalidInput::new("policy.architecture", &card.architecture, allowed));
     }
     Profile::named(&card.profile).map_err(|error| error.inside("policy"))?;
     if !(1..=MAX_WAYPOINTS).contains(&card.waypoints) {
         let allowed = format!("a number from 1 to {MAX_WAYPOINTS}");
         return Err(InvalidInput::new("policy.waypoints", card.waypoints, allowed));
     }
-    card.action.check()?;
+    card.action.check()
+}
+
+/// The probes and the network's shape of a card of the architecture [`WAYPOINT`].
+fn check_waypoint(card: &PolicyCard) -> Result<(Probes, WaypointShape), InvalidInput> {
+    let inside = |error: InvalidInput| error.inside("policy");
+    let probes = Probes::from_parts(&card.observation).map_err(inside)?;
+    let row = probes.row_len();
+    match card.sizes[..] {
+        [inputs, width, ref dilations @ ..] if inputs == row => {
+            let shape = WaypointShape { inputs, width, dilations: dilations.to_vec() };
+            shape.parameter_count().map_err(inside)?;
+            Ok((probes, shape))
+        }
+        _ => Err(InvalidInput::new(
+            "policy.sizes",
+            format!("{:?}", card.sizes),
+            format!("[{row}, width, dilation..] for {}", card.observation.join(" + ")),
+        )),
+    }
+}
+
+/// The parts of the observation of a card of the architecture [`MLP`].
+fn check_mlp(card: &PolicyCard) -> Result<Vec<ObservationPart>, InvalidInput> {
     let named: Result<Vec<_>, _> =
         card.observation.iter().map(|name| ObservationPart::named(name)).collect();
     let parts = named.map_err(|error| error.inside("policy"))?;

@@ -50,6 +50,9 @@ pub struct Profile {
     pub substeps: usize,
     /// Obstacle clearance ε under which a point is penalised, in normalised units.
     pub epsilon: f64,
+    /// Whether ε is at most the typical clearance where the world is a map, whose passages are
+    /// narrow beside its extent ([`crate::objective::Scene::epsilon`]).
+    pub fits_epsilon_to_maps: bool,
     /// Weight λ of the length cost.
     pub lambda: f64,
     /// How the obstacle cost is averaged.
@@ -77,6 +80,7 @@ impl Profile {
         waypoints: 10,
         substeps: 5,
         epsilon: 1.0,
+        fits_epsilon_to_maps: false,
         lambda: 0.1,
         averaging: Averaging::Pooled,
         distance: DistanceKind::PaperImage,
@@ -92,6 +96,7 @@ impl Profile {
         waypoints: 10,
         substeps: 8,
         epsilon: 1.0,
+        fits_epsilon_to_maps: true,
         lambda: 0.0125,
         averaging: Averaging::Grouped,
         distance: DistanceKind::Exact,

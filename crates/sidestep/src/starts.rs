@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::error::InvalidInput;
 use crate::objective::Objective;
+use crate::rng::standard_normal;
 
 /// How random start trajectories are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -84,6 +85,21 @@ impl StartStrategy {
                     points.iter_mut().zip(values).for_each(|(p, value)| p[axis] = value);
                 }
             }
+        }
+    }
+}
+
+/// Adds smooth noise to the waypoints `x [N x 2]`: sine modes 1 to 4 along the trajectory, mode k with standard
+/// deviation `size` / k, in normalised units.
+pub fn bend(x: &mut [f32], size: f32, rng: &mut ChaCha8Rng) {
+    let points = x.as_chunks_mut::<2>().0;
+    let segments = (points.len() + 1) as f32;
+    for mode in 1..=4 {
+        let noise = standard_normal(rng).map(|z| size / mode as f32 * z);
+        for (i, p) in points.iter_mut().enumerate() {
+            let shape = (std::f32::consts::PI * mode as f32 * (i + 1) as f32 / segments).sin();
+            p[0] += shape * noise[0];
+            p[1] += shape * noise[1];
         }
     }
 }

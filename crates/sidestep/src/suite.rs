@@ -10,6 +10,7 @@ use std::sync::Arc;
 use rand::RngExt;
 use rayon::prelude::*;
 
+use crate::certificate::Certifier;
 use crate::error::InvalidInput;
 use crate::geometry::{Point, Rect};
 use crate::objective::{Objective, Scene};
@@ -34,6 +35,9 @@ pub enum Suite {
     /// Candidates that gradient descent solves first after more than 10 and at most 100 steps; the
     /// paper also asks that the learned optimizer solves them within 100, which depends on it.
     Time,
+    /// Not the paper's: 1 to 40 rectangles, smaller where there are more, and discs of up to 3 pixels as robots
+    /// in half of the tasks. For policies that should serve worlds of many kinds.
+    Varied,
 }
 
 /// Steps of gradient descent that decide what is hard.
@@ -43,12 +47,13 @@ const OBSTACLES: usize = 10;
 
 impl Suite {
     /// All suites with their names.
-    pub const NAMES: [(&'static str, Self); 5] = [
+    pub const NAMES: [(&'static str, Self); 6] = [
         ("easy", Self::Easy),
         ("hard", Self::Hard),
         ("hard-training", Self::HardTraining),
         ("mix", Self::Mix),
         ("time", Self::Time),
+        ("varied", Self::Varied),
     ];
 
     /// The suite of that name.
@@ -72,6 +77,7 @@ impl Suite {
     pub fn generate(&self, count: usize, seed: u64, profile: &Profile) -> Vec<Task> {
         match self {
             Self::Easy => (0..count).into_par_iter().map(|i| candidate(seed, i as u64)).collect(),
+            Self::Varied => (0..count).into_par_iter().map(|i| varied(seed, i as u64)).collect(),
             Self::Mix => {
                 let easy = Self::Easy.generate(count.div_ceil(2), seed, profile);
                 let hard = Self::HardTraining.generate(count / 2, seed, profile);
@@ -103,7 +109,7 @@ impl Suite {
     fn keeps(&self, task: &Task, profile: &Profile) -> bool {
         let Some(outcome) = gradient_descent_outcome(task, profile) else { return false };
         match self {
-            Self::Easy | Self::Mix => true,
+            Self::Easy | Self::Mix | Self::Varied => true,
             Self::Hard => outcome.first_feasible.is_none(),
             Self::HardTraining => !outcome.feasible_at_end,
             Self::Time => outcome.first_feasible.is_some_and(|step| (11..=100).contains(&step)),
@@ -136,8 +142,8 @@ fn gradient_descent_outcome(task: &Task, profile: &Profile) -> Option<Outcome> {
     Some(Outcome { first_feasible, feasible_at_end: objective.is_feasible(&x) })
 }
 
-/// Candidate `index` of `seed`.
-fn candidate(seed: u64, index: u64) -> Task {
+/// Candidate `index` of `seed`: the paper's generator, before any filter.
+pub fn candidate(seed: u64, index: u64) -> Task {
     let mut rng = stream(seed, Purpose::Task, index, 0);
     let rects: Vec<Rect> = (0..OBSTACLES)
         .map(|_| {
@@ -161,6 +167,40 @@ fn candidate(seed: u64, index: u64) -> Task {
         robot: Robot::Point,
         start,
         goal,
+    }
+}
+
+/// Task `index` of `seed` in [`Suite::Varied`].
+pub fn varied(seed: u64, index: u64) -> Task {
+    let mut rng = stream(seed, Purpose::Task, index, 1);
+    let bounds = Rect { min: [0.0; 2], max: [FIELD; 2] };
+    let robot = match rng.random_range(0..2u32) {
+        0 => Robot::Point,
+        _ => Robot::Disc { radius: rng.random_range(0.2..3.0) },
+    };
+    loop {
+        let count = rng.random_range(1..=40u32);
+        // About as much of the field is covered as in the paper, whatever the number.
+        let side = 14.5 * (f64::from(OBSTACLES as u32) / f64::from(count)).sqrt().min(1.8);
+        let side = side * rng.random_range(0.6..1.15);
+        let rects: Vec<Rect> = (0..count)
+            .map(|_| {
+                let size: Point = [(); 2].map(|()| side * rng.random_range(0.5..1.5));
+                let min: Point = size.map(|size| rng.random_range(-0.5 * size..FIELD));
+                Rect { min, max: [min[0] + size[0], min[1] + size[1]] }
+            })
+            .collect();
+        let obstacles = rects.into_iter().map(Obstacle::Rect).collect();
+        let world = World::new(bounds, obstacles, None);
+        let certifier = Certifier::new(&world, robot);
+        for _ in 0..20 {
+            let mut point = || [(); 2].map(|()| rng.random_range(1.0..FIELD - 1.0));
+            let (start, goal): (Point, Point) = (point(), point());
+            if certifier.point_is_free(start) && certifier.point_is_free(goal) {
+                let name = format!("varied, seed {seed}, task {index}");
+                return Task { name, world: Arc::new(world), robot, start, goal };
+            }
+        }
     }
 }
 

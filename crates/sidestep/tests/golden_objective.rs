@@ -170,6 +170,7 @@ fn exact_profile() {
             let profile = Profile {
                 substeps: trajectory["substeps"].as_u64().unwrap() as usize,
                 epsilon: number(&trajectory["epsilon"]),
+                fits_epsilon_to_maps: false,
                 lambda: number(&trajectory["lambda"]),
                 averaging: Averaging::Grouped,
                 ..Profile::DEFAULT

@@ -3,21 +3,31 @@
 //! Serde's messages name neither the section nor the nearest key, so keys and kinds of values are first compared with the
 //! defaults, which know every key; what is left (names of choices, syntax) keeps the parser's message and line.
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::Value as Known;
 use sidestep::InvalidInput;
 use toml::{Table, Value};
 
-use super::TrainConfig;
-
 /// Farthest that a key may be from a known one (Jaro-Winkler similarity) to be suggested.
 const SIMILAR: f64 = 0.7;
 
-pub(super) fn parse(text: &str) -> Result<TrainConfig, InvalidInput> {
+/// Reads a configuration; what is left out keeps its default.
+///
+/// # Errors
+/// If the text is no TOML, has an unknown key or a value of the wrong kind; the message names key, value and kind.
+pub fn parse<C: Default + Serialize + DeserializeOwned>(text: &str) -> Result<C, InvalidInput> {
     let table: Table = toml::from_str(text).map_err(|error| plain(text, &error))?;
-    let known = serde_json::to_value(TrainConfig::default())
+    let known = serde_json::to_value(C::default())
         .map_err(|error| InvalidInput::new("config", error, "the defaults as JSON"))?;
     check_table("", &table, &known)?;
     toml::from_str(text).map_err(|error| plain(text, &error))
+}
+
+/// The text of the key `architecture` at the top of a configuration, if there is one.
+pub fn architecture(text: &str) -> Option<String> {
+    let table: Table = toml::from_str(text).ok()?;
+    table.get("architecture").and_then(Value::as_str).map(str::to_string)
 }
 
 /// The parser's own error, with its line.
@@ -72,10 +82,19 @@ fn check_kind(field: &str, value: &Value, default: &Known) -> Result<(), Invalid
         Known::Number(_) => (value.is_float() || value.is_integer(), "a number"),
         Known::Bool(_) => (value.is_bool(), "true or false"),
         Known::String(_) => (value.is_str(), "a text in quotes"),
-        Known::Array(_) => (
-            value.as_array().is_some_and(|items| items.iter().all(Value::is_str)),
-            "a list of texts in quotes",
-        ),
+        Known::Array(known) => match (value.as_array(), known.first()) {
+            (Some(items), Some(first)) => {
+                let kind = if first.is_string() { "a list of texts in quotes" } else { "" };
+                for item in items {
+                    check_kind(field, item, first).map_err(|error| match kind {
+                        "" => error,
+                        kind => InvalidInput::new(field, item, kind),
+                    })?;
+                }
+                return Ok(());
+            }
+            (items, _) => (items.is_some(), "a list"),
+        },
         // Optional values have no default to compare with: all of them are numbers above 0.
         Known::Null => (
             value.as_float().is_some_and(|x| x > 0.0) || value.as_integer().is_some_and(|n| n > 0),
@@ -87,7 +106,7 @@ fn check_kind(field: &str, value: &Value, default: &Known) -> Result<(), Invalid
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::super::TrainConfig;
 
     #[test]
     fn what_is_left_out_keeps_the_papers_value() {

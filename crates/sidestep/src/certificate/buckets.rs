@@ -47,7 +47,8 @@ impl Buckets {
 
     /// The bucket column (axis 0) or row (axis 1) of a coordinate, clamped to the bounds.
     fn index(&self, axis: usize, value: f64) -> usize {
-        let index = (value - self.origin[axis]) / self.size[axis];
+        // Bounds shrunk by a robot that does not fit are inside out: all is in the first bucket.
+        let index = (value - self.origin[axis]) / self.size[axis].max(f64::MIN_POSITIVE);
         (index.max(0.0) as usize).min(self.per_axis - 1)
     }
 

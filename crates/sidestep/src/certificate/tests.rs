@@ -242,3 +242,15 @@ proptest! {
         prop_assert!((cells.clearance(&path) - shapes.clearance(&path)).abs() < 1e-9);
     }
 }
+
+#[test]
+fn a_robot_that_does_not_fit_among_many_shapes_is_nowhere_free() {
+    let bounds = Rect::new([0.0; 2], [70.0, 4.5]).unwrap();
+    let square = |i: i32| {
+        let x = f64::from(i);
+        Obstacle::Rect(Rect::new([x, 1.0], [x + 0.5, 1.5]).unwrap())
+    };
+    let world = World::new(bounds, (0..60).map(square).collect(), None);
+    let certifier = Certifier::new(&world, Robot::disc(2.6).unwrap());
+    assert!(!certifier.point_is_free([35.0, 2.2]));
+}

@@ -8,7 +8,8 @@ mod image;
 mod shapes;
 mod transform;
 
-use crate::profile::{DistanceKind, Profile};
+use crate::kernels::{Isa, dispatch};
+use crate::profile::{DistanceKind, Frame, Profile};
 use crate::robot::Robot;
 use crate::world::World;
 
@@ -18,6 +19,12 @@ pub use transform::squared_distance_transform;
 
 /// Points are processed in blocks of this many lanes.
 pub(crate) const LANES: usize = 16;
+
+/// Points that tell the typical clearance; a multiple of [`LANES`].
+const CLEARANCE_POINTS: usize = 4096;
+/// Steps of the R2 sequence, 1/p and 1/p² for p³ = p + 1 (Roberts 2018, "The unreasonable
+/// effectiveness of quasirandom sequences"): even, and on no lattice that a grid could share.
+const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
 
 /// Distances and gradients of a set of points, as arrays of equal length (a multiple of [`LANES`]).
 #[derive(Debug, Clone, Default)]
@@ -55,17 +62,20 @@ impl Field {
                 walls: None,
                 radius,
             },
-            DistanceKind::Exact => {
-                let [min_x, min_y] = frame.to_normalised(world.bounds().min);
-                let [max_x, max_y] = frame.to_normalised(world.bounds().max);
-                Self {
-                    shapes: (!world.obstacles().is_empty())
-                        .then(|| ShapeField::new(world.obstacles(), &frame)),
-                    image: world.grid().and_then(|grid| ImageField::grid(grid, &frame)),
-                    walls: Some([min_x, min_y, max_x, max_y]),
-                    radius,
-                }
-            }
+            DistanceKind::Exact => Self::exact(world, robot, &frame),
+        }
+    }
+
+    /// The exact field in the normalised units of `frame`, whatever the profile.
+    pub fn exact(world: &World, robot: Robot, frame: &Frame) -> Self {
+        let [min_x, min_y] = frame.to_normalised(world.bounds().min);
+        let [max_x, max_y] = frame.to_normalised(world.bounds().max);
+        let obstacles = world.obstacles();
+        Self {
+            shapes: (!obstacles.is_empty()).then(|| ShapeField::new(obstacles, frame)),
+            image: world.grid().and_then(|grid| ImageField::grid(grid, frame)),
+            walls: Some([min_x, min_y, max_x, max_y]),
+            radius: (robot.radius() / frame.scale) as f32,
         }
     }
 
@@ -75,6 +85,23 @@ impl Field {
         let mut samples = Samples::with_len(LANES);
         self.sample(&[p[0]; LANES], &[p[1]; LANES], 1, &mut samples);
         (samples.distance[0], [samples.gradient_x[0], samples.gradient_y[0]])
+    }
+
+    /// The median distance over the free part of a field of this size, at most its larger side; 0
+    /// where nothing is free. In normalised units.
+    pub fn typical_clearance(&self, size: [f32; 2]) -> f32 {
+        let mut samples = Samples::with_len(CLEARANCE_POINTS);
+        let mut place = [0, 1].map(|_| vec![0.0; CLEARANCE_POINTS]);
+        for axis in 0..2 {
+            for (i, value) in place[axis].iter_mut().enumerate() {
+                *value = size[axis] * (R2[axis] * (i + 1) as f64).fract() as f32;
+            }
+        }
+        self.sample(&place[0], &place[1], CLEARANCE_POINTS, &mut samples);
+        let mut free = samples.distance;
+        free.retain(|&distance| distance > 0.0);
+        free.sort_by(f32::total_cmp);
+        free.get(free.len() / 2).map_or(0.0, |median| median.min(size[0].max(size[1])))
     }
 
     /// Samples the first `points` points; slices have equal length, a multiple of [`LANES`], and what
@@ -95,6 +122,34 @@ impl Field {
         }
         if self.radius > 0.0 {
             out.distance.iter_mut().for_each(|d| *d -= self.radius);
+        }
+    }
+}
+
+impl Field {
+    /// Signed distances without gradients, quickly: exact in free space, and in obstacles at most as deep as
+    /// [`Field::sample`] says. Slices have equal length, a multiple of [`LANES`].
+    #[inline(always)]
+    pub(crate) fn probe(&self, x: &[f32], y: &[f32], out: &mut [f32]) {
+        match &self.shapes {
+            Some(shapes) => shapes.probe(x, y, out),
+            None => out.fill(f32::INFINITY),
+        }
+        if let Some(image) = &self.image {
+            for i in 0..x.len() {
+                out[i] = out[i].min(image.at([x[i], y[i]]).0);
+            }
+        }
+        let [min_x, min_y, max_x, max_y] = self.walls.unwrap_or([
+            f32::NEG_INFINITY,
+            f32::NEG_INFINITY,
+            f32::INFINITY,
+            f32::INFINITY,
+        ]);
+        for i in 0..x.len() {
+            let wall = (x[i] - min_x).min(max_x - x[i]).min(y[i] - min_y).min(max_y - y[i]);
+            let nearest = if wall < out[i] { wall } else { out[i] };
+            out[i] = nearest - self.radius;
         }
     }
 }
@@ -128,4 +183,63 @@ fn merge_walls([min_x, min_y, max_x, max_y]: [f32; 4], x: &[f32], y: &[f32], out
             out.gradient_y[i] = if nearer { gradient_y } else { out.gradient_y[i] };
         }
     }
+}
+
+/// Points whose distances and gradients are asked for together.
+#[derive(Debug, Clone, Default)]
+pub struct Sampler {
+    points: usize,
+    x: Vec<f32>,
+    y: Vec<f32>,
+    samples: Samples,
+}
+
+impl Sampler {
+    /// Forgets all points.
+    pub fn clear(&mut self) {
+        self.points = 0;
+        self.x.clear();
+        self.y.clear();
+    }
+
+    /// Adds a point, in normalised units.
+    pub fn push(&mut self, p: [f32; 2]) {
+        self.x.truncate(self.points);
+        self.y.truncate(self.points);
+        self.x.push(p[0]);
+        self.y.push(p[1]);
+        self.points += 1;
+    }
+
+    /// Signed distance and gradient at each point, in the order of the points.
+    pub fn sample(&mut self, field: &Field) -> impl Iterator<Item = (f32, [f32; 2])> + '_ {
+        let padded = self.points.next_multiple_of(LANES);
+        for values in [&mut self.x, &mut self.y] {
+            let last = values.last().copied().unwrap_or(0.0);
+            values.resize(padded, last);
+        }
+        let Samples { distance, gradient_x, gradient_y } = &mut self.samples;
+        for values in [distance, gradient_x, gradient_y] {
+            values.resize(padded, 0.0);
+        }
+        sample_points(Isa::detect(), field, &self.x, &self.y, self.points, &mut self.samples);
+        let Samples { distance, gradient_x, gradient_y } = &self.samples;
+        (0..self.points).map(move |i| (distance[i], [gradient_x[i], gradient_y[i]]))
+    }
+}
+
+dispatch! {
+    fn sample_points(field: &Field, x: &[f32], y: &[f32], points: usize, out: &mut Samples)
+        = sample_points_body;
+}
+
+#[inline(always)]
+fn sample_points_body<const ISA: u8>(
+    field: &Field,
+    x: &[f32],
+    y: &[f32],
+    points: usize,
+    out: &mut Samples,
+) {
+    field.sample(x, y, points, out);
 }

@@ -175,6 +175,60 @@ impl ShapeField {
         }
     }
 
+    /// Signed distances by the least over the shapes: exact outside the union, and inside a single shape; where shapes
+    /// overlap it is less deep than the union. Slices have equal length, a multiple of [`LANES`].
+    #[inline(always)]
+    pub(crate) fn probe(&self, x: &[f32], y: &[f32], out: &mut [f32]) {
+        for block in 0..x.len() / LANES {
+            let range = block * LANES..(block + 1) * LANES;
+            let mut px = [0.0; LANES];
+            let mut py = [0.0; LANES];
+            px.copy_from_slice(&x[range.clone()]);
+            py.copy_from_slice(&y[range.clone()]);
+            out[range].copy_from_slice(&self.probe_block(&px, &py));
+        }
+    }
+
+    #[inline(always)]
+    fn probe_block(&self, x: &[f32; LANES], y: &[f32; LANES]) -> [f32; LANES] {
+        // Outside, the least square decides and no depth is below 0; inside, the least depth.
+        let (mut square, mut depth) = ([f32::INFINITY; LANES], [0.0_f32; LANES]);
+        let least = |a: f32, b: f32| if a < b { a } else { b };
+        let most = |a: f32, b: f32| if a > b { a } else { b };
+        for &[min_x, min_y, max_x, max_y] in &self.rects {
+            for l in 0..LANES {
+                let dx = most(min_x - x[l], x[l] - max_x);
+                let dy = most(min_y - y[l], y[l] - max_y);
+                let (ox, oy) = (most(dx, 0.0), most(dy, 0.0));
+                square[l] = least(square[l], ox * ox + oy * oy);
+                depth[l] = least(depth[l], most(dx, dy));
+            }
+        }
+        for &[center_x, center_y, radius] in &self.circles {
+            for l in 0..LANES {
+                let (dx, dy) = (x[l] - center_x, y[l] - center_y);
+                let distance = (dx * dx + dy * dy).sqrt() - radius;
+                let outside = most(distance, 0.0);
+                square[l] = least(square[l], outside * outside);
+                depth[l] = least(depth[l], distance);
+            }
+        }
+        for sides in &self.polygons {
+            for l in 0..LANES {
+                let (mut outside, mut nearest) = (false, f32::INFINITY);
+                for side in sides {
+                    let (rx, ry) = (x[l] - side.from[0], y[l] - side.from[1]);
+                    outside |= side.direction[0] * ry - side.direction[1] * rx < 0.0;
+                    let [ox, oy] = side.offset(x[l], y[l]);
+                    nearest = least(nearest, ox * ox + oy * oy);
+                }
+                square[l] = least(square[l], if outside { nearest } else { 0.0 });
+                depth[l] = least(depth[l], if outside { 0.0 } else { -nearest.sqrt() });
+            }
+        }
+        std::array::from_fn(|l| if depth[l] < 0.0 { depth[l] } else { square[l].sqrt() })
+    }
+
     #[inline(always)]
     fn sample_block(&self, x: &[f32; LANES], y: &[f32; LANES]) -> Block {
         let (mut square, mut offset_x, mut offset_y) = self.outside(x, y);

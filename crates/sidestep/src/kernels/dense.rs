@@ -26,6 +26,8 @@ pub(crate) enum Activation {
     Linear,
     /// The hyperbolic tangent.
     Tanh,
+    /// The positive part.
+    Relu,
 }
 
 /// `count` rounded up to whole panels.
@@ -96,9 +98,12 @@ fn forward_body<const ISA: u8>(
     let a = Left { values: x, row: x_stride, depth: 1 };
     let b = Right { values: packed, panel: inputs * LANES, depth: LANES };
     product::<ISA, false>(rows, columns, inputs, a, b, Some(bias), y, columns);
-    if activation == Activation::Tanh {
-        for value in &mut y[..rows * columns] {
-            *value = tanh::<ISA>(*value);
+    let y = &mut y[..rows * columns];
+    match activation {
+        Activation::Linear => {}
+        Activation::Tanh => y.iter_mut().for_each(|value| *value = tanh::<ISA>(*value)),
+        Activation::Relu => {
+            y.iter_mut().for_each(|value| *value = if *value > 0.0 { *value } else { 0.0 });
         }
     }
 }
@@ -134,9 +139,12 @@ fn input_gradient_body<const ISA: u8>(
     let a = Left { values: dy, row: dy_stride, depth: 1 };
     let b = Right { values: packed, panel: outputs * LANES, depth: LANES };
     product::<ISA, false>(rows, columns, outputs, a, b, None, dx, columns);
-    if activation == Activation::Tanh {
-        for (slope, &value) in dx[..rows * columns].iter_mut().zip(x) {
-            *slope *= tanh_slope::<ISA>(value);
+    let pairs = dx[..rows * columns].iter_mut().zip(x);
+    match activation {
+        Activation::Linear => {}
+        Activation::Tanh => pairs.for_each(|(slope, &x)| *slope *= tanh_slope::<ISA>(x)),
+        Activation::Relu => {
+            pairs.for_each(|(slope, &x)| *slope = if x > 0.0 { *slope } else { 0.0 });
         }
     }
 }

@@ -17,7 +17,9 @@ use std::ops::Range;
 
 use crate::error::InvalidInput;
 use crate::kernels::Isa;
-use crate::kernels::dense::{self, Activation, padded};
+use crate::kernels::dense::{Activation, padded};
+
+use super::layer::Layer;
 
 /// Most parameters that a network may have (256 MB); stops a hostile file before it allocates.
 pub const MAX_PARAMETERS: usize = 1 << 26;
@@ -28,25 +30,6 @@ pub struct Mlp {
     sizes: Vec<usize>,
     parameters: Vec<f32>,
     layers: Vec<Layer>,
-}
-
-/// One layer: where its parameters lie, and their copies as the kernels read them (`kernels::dense`).
-#[derive(Debug, Clone)]
-struct Layer {
-    inputs: usize,
-    outputs: usize,
-    /// Range of the weights in the flat parameters; the biases follow it.
-    weights: Range<usize>,
-    activation: Activation,
-    forward: Vec<f32>,
-    bias: Vec<f32>,
-    backward: Vec<f32>,
-}
-
-impl Layer {
-    fn biases(&self) -> Range<usize> {
-        self.weights.end..self.weights.end + self.outputs
-    }
 }
 
 impl PartialEq for Mlp {
@@ -118,15 +101,8 @@ impl Mlp {
         for (index, pair) in sizes.windows(2).enumerate() {
             let (inputs, outputs) = (pair[0], pair[1]);
             let last = index + 2 == sizes.len();
-            layers.push(Layer {
-                inputs,
-                outputs,
-                weights: first..first + inputs * outputs,
-                activation: if last { Activation::Linear } else { Activation::Tanh },
-                forward: vec![0.0; padded(outputs) * inputs],
-                bias: vec![0.0; padded(outputs)],
-                backward: vec![0.0; padded(inputs) * outputs],
-            });
+            let activation = if last { Activation::Linear } else { Activation::Tanh };
+            layers.push(Layer::new(inputs, outputs, first, activation));
             first += (inputs + 1) * outputs;
         }
         let mut mlp = Self { sizes: sizes.to_vec(), parameters, layers };
@@ -187,11 +163,7 @@ impl Mlp {
 
     fn pack(&mut self) {
         for layer in &mut self.layers {
-            let weights = &self.parameters[layer.weights.clone()];
-            dense::pack_forward(weights, layer.inputs, layer.outputs, &mut layer.forward);
-            dense::pack_backward(weights, layer.inputs, layer.outputs, &mut layer.backward);
-            let biases = &self.parameters[layer.biases()];
-            layer.bias[..layer.outputs].copy_from_slice(biases);
+            layer.pack(&self.parameters);
         }
     }
 
@@ -213,10 +185,7 @@ impl Mlp {
         pad_rows(inputs, self.inputs(), &mut scratch.activations[0]);
         for (index, layer) in self.layers.iter().enumerate() {
             let (before, after) = scratch.activations.split_at_mut(index + 1);
-            let (x, y) = (&before[index], &mut after[0]);
-            let (act, stride) = (layer.activation, padded(layer.inputs));
-            let (packed, bias) = (&layer.forward, &layer.bias);
-            dense::forward(isa, act, rows, layer.inputs, x, stride, packed, bias, y);
+            layer.forward(isa, rows, &before[index], &mut after[0]);
         }
     }
 
@@ -237,26 +206,12 @@ impl Mlp {
         pad_rows(given, self.outputs(), &mut scratch.gradients[last]);
         for (index, layer) in self.layers.iter().enumerate().rev() {
             let (before, after) = scratch.gradients.split_at_mut(index + 1);
-            let (dy, stride) = (&after[0], padded(layer.outputs));
-            let x = &scratch.activations[index];
-            let (weights, biases) =
-                gradient[layer.weights.start..].split_at_mut(layer.weights.len());
-            let biases = &mut biases[..layer.outputs];
-            dense::weight_gradient(isa, rows, layer.inputs, x, dy, stride, weights, biases);
+            let (dy, x) = (&after[0], &scratch.activations[index]);
+            layer.weight_gradient(isa, rows, x, dy, gradient);
             if index > 0 {
                 // The input of this layer is the output of the one before, which is never the last: tanh.
-                let (act, dx) = (self.layers[index - 1].activation, &mut before[index]);
-                dense::input_gradient(
-                    isa,
-                    act,
-                    rows,
-                    layer.outputs,
-                    dy,
-                    stride,
-                    &layer.backward,
-                    x,
-                    dx,
-                );
+                let before_it = self.layers[index - 1].activation;
+                layer.input_gradient(isa, before_it, rows, dy, x, &mut before[index]);
             }
         }
     }

@@ -2,23 +2,39 @@
 //!
 //! ξ ← ξ + clip(π(o)), as the policy was trained: the update clipped per coordinate, positions kept
 //! inside the field where the policy's card says so.
+//!
+//! A waypoint policy that is not through after [`PATIENCE`] steps has met a place where its own updates lead nowhere; from then
+//! on each of its steps is followed by smooth noise, as in its training, until the trajectory is free.
 
 use std::sync::Arc;
 
+use rand_chacha::ChaCha8Rng;
+
 use crate::error::InvalidInput;
-use crate::network::Scratch;
+use crate::network::{Scratch, WaypointScratch};
 use crate::objective::Objective;
 use crate::observation::Encoder;
-use crate::policy::Policy;
+use crate::policy::{Policy, PolicyNetwork};
+use crate::starts::bend;
 use crate::task::Task;
+use crate::waypoint_view::WaypointView;
+
+/// Steps of a waypoint policy before noise sets in.
+pub const PATIENCE: u32 = 6;
+/// Standard deviation of the noise's first mode, in normalised units.
+const NOISE: f32 = 0.1;
 
 #[derive(Debug)]
 pub(super) struct Learned {
     policy: Arc<Policy>,
-    encoder: Encoder,
-    observation: Vec<f32>,
-    action: Vec<f32>,
-    scratch: Scratch,
+    sight: Sight,
+}
+
+/// What the policy sees with, and its buffers.
+#[derive(Debug)]
+enum Sight {
+    Whole { encoder: Encoder, observation: Vec<f32>, action: Vec<f32>, scratch: Scratch },
+    Waypoints { view: WaypointView, scratch: WaypointScratch, rng: ChaCha8Rng },
 }
 
 impl Learned {
@@ -26,26 +42,62 @@ impl Learned {
         policy: Arc<Policy>,
         task: &Task,
         objective: &Objective,
+        rng: ChaCha8Rng,
     ) -> Result<Self, InvalidInput> {
-        policy.check_waypoints(objective.waypoints())?;
-        let profile = objective.scene().profile().name;
-        if policy.card().profile != profile {
-            let allowed = format!("{}, which the policy was trained in", policy.card().profile);
-            return Err(InvalidInput::new("profile", profile, allowed));
-        }
-        let encoder = Encoder::new(policy.observation(), objective, &task.world)?;
-        Ok(Self {
-            observation: vec![0.0; encoder.len(objective)],
-            action: vec![0.0; objective.dim()],
-            scratch: Scratch::default(),
-            encoder,
-            policy,
-        })
+        policy.check_use(objective.waypoints(), objective.scene().profile().name)?;
+        let sight = match policy.network() {
+            PolicyNetwork::Mlp { parts, .. } => {
+                let encoder = Encoder::new(parts, objective, &task.world)?;
+                Sight::Whole {
+                    observation: vec![0.0; encoder.len(objective)],
+                    action: vec![0.0; objective.dim()],
+                    scratch: Scratch::default(),
+                    encoder,
+                }
+            }
+            PolicyNetwork::Waypoint { probes, .. } => Sight::Waypoints {
+                view: WaypointView::new(probes, objective),
+                scratch: WaypointScratch::default(),
+                rng,
+            },
+        };
+        Ok(Self { policy, sight })
     }
 
     pub fn step(&mut self, x: &mut [f32], gradient: &[f32], objective: &Objective) {
-        self.encoder.encode(objective, x, gradient, &mut self.observation);
-        let field = objective.scene().field_size();
-        self.policy.step(&self.observation, &mut self.scratch, field, &mut self.action, x);
+        let rule = &self.policy.card().action;
+        match (self.policy.network(), &mut self.sight) {
+            (
+                PolicyNetwork::Mlp { network, .. },
+                Sight::Whole { encoder, observation, action, scratch },
+            ) => {
+                encoder.encode(objective, x, gradient, observation);
+                network.forward(observation, scratch, action);
+                rule.apply(action, objective.scene().field_size(), x);
+            }
+            (PolicyNetwork::Waypoint { network, .. }, Sight::Waypoints { view, scratch, rng }) => {
+                let (waypoints, stride) = (objective.waypoints(), network.input_stride());
+                view.encode(objective, x, scratch.input(waypoints, stride), stride);
+                network.forward(scratch, waypoints);
+                view.apply(rule, |i| scratch.output(i), x);
+                if view.age() >= patience() && !view.is_free() {
+                    bend(x, noise(), rng);
+                }
+            }
+            // `new` made the sight that belongs to the network.
+            _ => {}
+        }
     }
+
+    /// Whether the policy sees the gradient of U.
+    pub fn uses_gradient(&self) -> bool {
+        matches!(self.sight, Sight::Whole { .. })
+    }
+}
+
+fn patience() -> u32 {
+    std::env::var("PATIENCE").ok().and_then(|v| v.parse().ok()).unwrap_or(PATIENCE)
+}
+fn noise() -> f32 {
+    std::env::var("NOISE").ok().and_then(|v| v.parse().ok()).unwrap_or(NOISE)
 }

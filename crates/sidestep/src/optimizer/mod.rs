@@ -116,9 +116,12 @@ impl Optimizer {
             Method::Stomp { rollouts, noise } => {
                 State::Stomp(Box::new(stomp::Stomp::new(rollouts, noise, n / 2, rng)?))
             }
-            Method::Learned(ref policy) => {
-                State::Learned(Box::new(learned::Learned::new(policy.clone(), task, objective)?))
-            }
+            Method::Learned(ref policy) => State::Learned(Box::new(learned::Learned::new(
+                policy.clone(),
+                task,
+                objective,
+                rng,
+            )?)),
         }))
     }
 
@@ -140,6 +143,10 @@ impl Optimizer {
 
     /// Whether the method uses the gradient handed to [`Optimizer::step`].
     pub fn uses_gradient(&self) -> bool {
-        !matches!(self.0, State::Lbfgs(_) | State::Stomp(_))
+        match &self.0 {
+            State::Lbfgs(_) | State::Stomp(_) => false,
+            State::Learned(learned) => learned.uses_gradient(),
+            _ => true,
+        }
     }
 }

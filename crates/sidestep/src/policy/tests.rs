@@ -26,12 +26,19 @@ fn policy() -> Policy {
     Policy::new(card(&["gradient", "obstacle-cost"], 10), network).unwrap()
 }
 
+fn mlp(policy: &Policy) -> &Mlp {
+    match policy.network() {
+        PolicyNetwork::Mlp { network, .. } => network,
+        PolicyNetwork::Waypoint { .. } => unreachable!("made as an mlp"),
+    }
+}
+
 /// The file of `policy()` with its document changed by `change`.
 fn changed(change: impl FnOnce(&mut serde_json::Value)) -> Vec<u8> {
     let policy = policy();
     let mut document = serde_json::to_value(policy.card()).unwrap();
     change(&mut document);
-    tensors::write(&document, &network_tensors(policy.network(), "")).unwrap()
+    tensors::write(&document, &network_tensors(mlp(&policy), "")).unwrap()
 }
 
 #[test]
@@ -68,7 +75,7 @@ fn contradictions_name_both_sides() {
 
 #[test]
 fn waypoints_that_do_not_fit_are_named() {
-    let message = policy().check_waypoints(12).unwrap_err().to_string();
+    let message = policy().check_use(12, "paper").unwrap_err().to_string();
     assert_eq!(
         message,
         "waypoints: 12 is not allowed; expected 10, which the policy was trained for"
@@ -104,7 +111,7 @@ proptest! {
         }
         bytes.truncate(bytes.len() - cut.min(bytes.len()));
         if let Ok(policy) = Policy::from_safetensors(&bytes) {
-            prop_assert!(policy.network().parameters().iter().all(|p| p.is_finite()));
+            prop_assert!(mlp(&policy).parameters().iter().all(|p| p.is_finite()));
         }
     }
 

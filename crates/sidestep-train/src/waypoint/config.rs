@@ -1,0 +1,319 @@
+//! The configuration of a waypoint policy's training, checked once.
+
+use serde::{Deserialize, Serialize};
+use sidestep::InvalidInput;
+use sidestep::network::WaypointShape;
+use sidestep::waypoint_view::Probes;
+
+use crate::config::toml_file;
+
+/// Everything that decides a training of the waypoint policy; the same configuration gives the same bits.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct WaypointConfig {
+    /// `waypoint`.
+    pub architecture: String,
+    /// Seed of parameters, noise and the tasks' order.
+    pub seed: u64,
+    /// The view's parts: `waypoints`, then `probes:KxR1,R2,..`.
+    pub observation: Vec<String>,
+    /// The network.
+    pub network: WaypointNetworkConfig,
+    /// The tasks to train on.
+    pub tasks: TaskConfig,
+    /// The stages, in order.
+    pub stages: Vec<StageConfig>,
+    /// Settings of imitation.
+    pub imitation: ImitationConfig,
+    /// Settings of policy gradient.
+    pub policy_gradient: PolicyGradientConfig,
+    /// The tasks that choose the best policy.
+    pub validation: WaypointValidationConfig,
+}
+
+/// The network.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct WaypointNetworkConfig {
+    /// Hidden units per waypoint, a multiple of 16.
+    pub width: usize,
+    /// One residual block each.
+    pub dilations: Vec<usize>,
+    /// Pixels (0.1 normalised units) per unit of output.
+    pub action_pixels: f32,
+    /// Largest update along and across the line from start to goal, in pixels.
+    pub action_limit_pixels: f32,
+}
+
+/// The tasks to train on: fresh ones throughout.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TaskConfig {
+    /// Their seed: 0, or 1000 and above.
+    pub seed: u64,
+    /// Share of tasks of the suite `varied`; the others are the paper's.
+    pub varied: f32,
+    /// Share that is kept of the tasks whose straight line is free.
+    pub direct: f32,
+    /// Share of the units that train another number of waypoints than 10.
+    pub other_waypoints: f32,
+    /// Least and most of that number.
+    pub waypoints: [usize; 2],
+}
+
+/// What a stage does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StageKind {
+    /// On-policy imitation of exact paths.
+    Imitation,
+    /// Policy gradient on success.
+    PolicyGradient,
+}
+
+/// One stage: Adam from fresh moments, a learning rate with warm-up and cosine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StageConfig {
+    /// What it does.
+    pub kind: StageKind,
+    /// Optimizer steps; rounded up to whole units.
+    pub updates: u64,
+    /// Highest learning rate.
+    pub learning_rate: f64,
+}
+
+/// Settings of imitation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ImitationConfig {
+    /// Groups of 4 tasks with 4 trajectories each per update.
+    pub groups: usize,
+    /// Steps of every trajectory per update.
+    pub steps: usize,
+    /// Weight of the hinge on trajectories from the straight line.
+    pub hinge_straight: f32,
+    /// The same on the others.
+    pub hinge: f32,
+    /// Probability of smooth noise after a step.
+    pub kick_probability: f32,
+    /// Its size, in normalised units.
+    pub kick: f32,
+    /// Steps that a task lives.
+    pub life: u32,
+    /// Steps that some live.
+    pub long_life: u32,
+    /// Share of those.
+    pub long_share: f32,
+    /// Probability that a task is one that failed before.
+    pub retry: f32,
+}
+
+/// Settings of policy gradient.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PolicyGradientConfig {
+    /// Groups of 4 tasks per update.
+    pub groups: usize,
+    /// Noisy walks per task.
+    pub walks: usize,
+    /// Steps of a walk.
+    pub steps: usize,
+    /// Standard deviation of the first noise mode, in pixels; mode k has one k-th of it.
+    pub noise_pixels: f32,
+    /// The return of a walk that is solved after t of T steps is 1 - haste t / T.
+    pub haste: f32,
+}
+
+/// The tasks that choose the best policy.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct WaypointValidationConfig {
+    /// Tasks of each of the suites easy and hard.
+    pub count: usize,
+    /// Their seed: 7 or 17.
+    pub seed: u64,
+    /// Units from one validation to the next.
+    pub every: u64,
+    /// Iterations per task.
+    pub steps: usize,
+}
+
+impl Default for WaypointConfig {
+    fn default() -> Self {
+        let stage = |kind, updates, learning_rate| StageConfig { kind, updates, learning_rate };
+        Self {
+            architecture: ARCHITECTURE.into(),
+            seed: 0,
+            observation: vec![WAYPOINTS_PART.into(), "probes:12x0.25,0.6,1.1,1.8,2.8,4.2".into()],
+            network: WaypointNetworkConfig::default(),
+            tasks: TaskConfig::default(),
+            stages: vec![
+                stage(StageKind::Imitation, 200_000, 1.2e-3),
+                stage(StageKind::PolicyGradient, 2_000, 1e-4),
+            ],
+            imitation: ImitationConfig::default(),
+            policy_gradient: PolicyGradientConfig::default(),
+            validation: WaypointValidationConfig::default(),
+        }
+    }
+}
+
+impl Default for WaypointNetworkConfig {
+    fn default() -> Self {
+        let dilations = vec![1, 2, 4];
+        Self { width: 80, dilations, action_pixels: 4.0, action_limit_pixels: 16.0 }
+    }
+}
+
+impl Default for TaskConfig {
+    fn default() -> Self {
+        let waypoints = [5, 24];
+        Self { seed: 1000, varied: 0.25, direct: 0.05, other_waypoints: 0.2, waypoints }
+    }
+}
+
+impl Default for ImitationConfig {
+    fn default() -> Self {
+        Self {
+            groups: 4,
+            steps: 3,
+            hinge_straight: 0.3,
+            hinge: 1.0,
+            kick_probability: 0.1,
+            kick: 0.2,
+            life: 20,
+            long_life: 50,
+            long_share: 0.3,
+            retry: 0.2,
+        }
+    }
+}
+
+impl Default for PolicyGradientConfig {
+    fn default() -> Self {
+        Self { groups: 4, walks: 8, steps: 24, noise_pixels: 0.7, haste: 0.3 }
+    }
+}
+
+impl Default for WaypointValidationConfig {
+    fn default() -> Self {
+        Self { count: 500, seed: 7, every: 4, steps: 40 }
+    }
+}
+
+/// The name of this architecture in configurations and policy files.
+pub const ARCHITECTURE: &str = "waypoint";
+/// The name of the part of the observation that every waypoint policy has.
+pub const WAYPOINTS_PART: &str = sidestep::waypoint_view::PART;
+
+impl WaypointConfig {
+    /// Reads a TOML file's text and checks it.
+    ///
+    /// # Errors
+    /// If it is no TOML, has an unknown key or a value of the wrong kind or out of range.
+    pub fn from_toml(text: &str) -> Result<Self, InvalidInput> {
+        let config: Self = toml_file::parse(text)?;
+        config.check()?;
+        Ok(config)
+    }
+
+    /// Checks every value, and returns what the names stand for.
+    ///
+    /// # Errors
+    /// If a value is out of range; the message names the field, the value and the range.
+    pub fn check(&self) -> Result<(Probes, WaypointShape), InvalidInput> {
+        let refuse = |field: &str, value: &dyn std::fmt::Display, allowed: &str| {
+            Err(InvalidInput::new(field, value, allowed))
+        };
+        if self.architecture != ARCHITECTURE {
+            return refuse("architecture", &self.architecture, ARCHITECTURE);
+        }
+        let probes = Probes::from_parts(&self.observation)?;
+        let network = &self.network;
+        let shape = WaypointShape {
+            inputs: probes.row_len(),
+            width: network.width,
+            dilations: network.dilations.clone(),
+        };
+        shape.parameter_count()?;
+        let (tasks, imitation) = (&self.tasks, &self.imitation);
+        let (gradient, validation) = (&self.policy_gradient, &self.validation);
+        if tasks.seed != 0 && tasks.seed < 1000 {
+            let allowed = "0, or 1000 and above; the rest are for validation and tests";
+            return refuse("tasks.seed", &tasks.seed, allowed);
+        }
+        if ![7, 17].contains(&validation.seed) {
+            let allowed = "7 or 17; the rest are for training and tests";
+            return refuse("validation.seed", &validation.seed, allowed);
+        }
+        let [least, most] = tasks.waypoints;
+        if !(1..=most).contains(&least) || most > 200 {
+            let found = format!("[{least}, {most}]");
+            return refuse("tasks.waypoints", &found, "[least, most] within 1 to 200");
+        }
+        if self.stages.is_empty() {
+            return refuse("stages", &"none", "at least one stage");
+        }
+        let rates = self.stages.iter().map(|stage| ("stages.learning_rate", stage.learning_rate));
+        let positive = [
+            ("network.action_pixels", f64::from(network.action_pixels)),
+            ("network.action_limit_pixels", f64::from(network.action_limit_pixels)),
+            ("policy_gradient.noise_pixels", f64::from(gradient.noise_pixels)),
+        ];
+        for (field, value) in positive.into_iter().chain(rates) {
+            if !(value > 0.0 && value <= 1000.0) {
+                return refuse(field, &value, "a number above 0 and up to 1000");
+            }
+        }
+        for (field, value) in [
+            ("tasks.varied", tasks.varied),
+            ("tasks.direct", tasks.direct),
+            ("tasks.other_waypoints", tasks.other_waypoints),
+            ("imitation.kick_probability", imitation.kick_probability),
+            ("imitation.long_share", imitation.long_share),
+            ("policy_gradient.haste", gradient.haste),
+        ] {
+            if !(0.0..=1.0).contains(&value) {
+                return refuse(field, &value, "a number from 0 to 1");
+            }
+        }
+        if !(0.0..=0.9).contains(&imitation.retry) {
+            return refuse("imitation.retry", &imitation.retry, "a number from 0 to 0.9");
+        }
+        if tasks.direct == 0.0 && tasks.varied == 1.0 && imitation.groups == 0 {
+            return refuse("tasks.direct", &tasks.direct, "above 0");
+        }
+        for (field, value) in [
+            ("imitation.hinge", imitation.hinge),
+            ("imitation.hinge_straight", imitation.hinge_straight),
+            ("imitation.kick", imitation.kick),
+        ] {
+            if !(0.0..=100.0).contains(&value) {
+                return refuse(field, &value, "a number from 0 to 100");
+            }
+        }
+        for (field, value, most) in [
+            ("imitation.groups", imitation.groups as u64, 256),
+            ("imitation.steps", imitation.steps as u64, 1000),
+            ("imitation.life", u64::from(imitation.life), 100_000),
+            ("imitation.long_life", u64::from(imitation.long_life), 100_000),
+            ("policy_gradient.groups", gradient.groups as u64, 256),
+            ("policy_gradient.walks", gradient.walks as u64, 256),
+            ("policy_gradient.steps", gradient.steps as u64, 1000),
+            ("validation.count", validation.count as u64, 100_000),
+            ("validation.every", validation.every, 1_000_000),
+            ("validation.steps", validation.steps as u64, 100_000),
+        ] {
+            if !(1..=most).contains(&value) {
+                return refuse(field, &value, &format!("a number from 1 to {most}"));
+            }
+        }
+        for stage in &self.stages {
+            if !(1..=1_000_000_000).contains(&stage.updates) {
+                return refuse("stages.updates", &stage.updates, "a number from 1 to 1000000000");
+            }
+        }
+        Ok((probes, shape))
+    }
+}

@@ -1,0 +1,356 @@
+//! A training of the waypoint policy, one unit at a time.
+//!
+//! A unit is [`UPDATES_PER_UNIT`] optimizer steps and begins with fresh tasks, so that a checkpoint between units needs to hold
+//! nothing but parameters, moments and counters, and goes on to the same bits. The policy that is validated and written is
+//! the running average of the parameters (decay 0.999 per step).
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use sidestep::InvalidInput;
+use sidestep::kernels::{AdamStep, squared_norm};
+use sidestep::network::{WaypointNet, WaypointShape};
+use sidestep::policy::{ActionRule, Policy, PolicyCard};
+use sidestep::profile::Profile;
+use sidestep::rng::{Purpose, stream};
+
+use super::config::{StageKind, WaypointConfig};
+use super::gradient::Walks;
+use super::imitation::{GROUP, Group, MEMBERS, Recipe, Sums};
+use super::validation::{Tasks, WaypointValidation};
+use crate::gaussian::standard_normal;
+use crate::trainer::LICENCE;
+
+/// Optimizer steps of a unit.
+pub const UPDATES_PER_UNIT: u64 = 250;
+const BETAS: [f64; 2] = [0.9, 0.99];
+const EPSILON: f64 = 1e-8;
+const MAX_GRADIENT_NORM: f64 = 1.0;
+/// Share of the running average that is kept per step.
+const KEPT: f32 = 0.999;
+/// Steps of a stage over which the learning rate rises.
+const WARM_UP: f64 = 500.0;
+/// Share of the highest learning rate that is left at a stage's end.
+const LAST_RATE: f64 = 0.02;
+
+/// What one unit did: a point of the training curve.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WaypointProgress {
+    /// Index of the stage.
+    pub stage: usize,
+    /// What the stage does.
+    pub kind: StageKind,
+    /// Units so far, over all stages.
+    pub unit: u64,
+    /// Optimizer steps so far.
+    pub updates: u64,
+    /// Steps of trajectories so far.
+    pub trajectory_steps: u64,
+    /// Learning rate of the last update.
+    pub learning_rate: f64,
+    /// Mean loss per trajectory and step (imitation), or minus the mean return of a walk (policy gradient).
+    pub loss: f64,
+    /// Share of the tasks that the straight start (imitation) or a walk (policy gradient) solved.
+    pub solved: f64,
+    /// Mean gradient norm before clipping.
+    pub gradient_norm: f64,
+    /// The result on the validation tasks, where this unit ended with one.
+    pub validation: Option<WaypointValidation>,
+    /// Whether that is the best so far.
+    pub is_best: bool,
+}
+
+/// The best policy on the validation tasks so far.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WaypointBest {
+    /// Its parameters.
+    pub parameters: Vec<f32>,
+    /// Its result.
+    pub validation: WaypointValidation,
+    /// Optimizer steps that made it.
+    pub updates: u64,
+}
+
+/// A training and its state.
+pub struct WaypointTrainer {
+    pub(super) config: WaypointConfig,
+    shape: WaypointShape,
+    recipe: Recipe,
+    tasks: Tasks,
+    pub(super) net: WaypointNet,
+    /// Running average of the parameters.
+    pub(super) average: Vec<f32>,
+    pub(super) moments: [Vec<f32>; 2],
+    pub(super) units: u64,
+    pub(super) trajectory_steps: u64,
+    pub(super) curve: Vec<WaypointProgress>,
+    pub(super) best: Option<WaypointBest>,
+}
+
+impl WaypointTrainer {
+    /// A training at its beginning.
+    ///
+    /// # Errors
+    /// If the configuration has a value out of range.
+    pub fn new(config: WaypointConfig) -> Result<Self, InvalidInput> {
+        let (probes, shape) = config.check()?;
+        let rule = ActionRule {
+            scale: 0.1 * config.network.action_pixels,
+            limit: 0.1 * config.network.action_limit_pixels,
+            keep_inside: true,
+        };
+        let recipe = Recipe {
+            probes: probes.clone(),
+            rule,
+            tasks: config.tasks.clone(),
+            imitation: config.imitation.clone(),
+            seed: config.seed,
+        };
+        let net = WaypointNet::new(&shape, initial(&shape, config.seed)?)?;
+        let average = net.parameters().to_vec();
+        let moments = [vec![0.0; average.len()], vec![0.0; average.len()]];
+        Ok(Self {
+            tasks: Tasks::new(&config.validation, &probes),
+            config,
+            shape,
+            recipe,
+            net,
+            average,
+            moments,
+            units: 0,
+            trajectory_steps: 0,
+            curve: Vec::new(),
+            best: None,
+        })
+    }
+
+    /// The configuration.
+    pub fn config(&self) -> &WaypointConfig {
+        &self.config
+    }
+
+    /// The network's sizes.
+    pub fn shape(&self) -> &WaypointShape {
+        &self.shape
+    }
+
+    /// Units done, and in all.
+    pub fn units(&self) -> (u64, u64) {
+        let units = |updates: u64| updates.div_ceil(UPDATES_PER_UNIT);
+        (self.units, self.config.stages.iter().map(|stage| units(stage.updates)).sum())
+    }
+
+    /// What every unit so far did.
+    pub fn curve(&self) -> &[WaypointProgress] {
+        &self.curve
+    }
+
+    /// Steps of trajectories so far.
+    pub fn trajectory_steps(&self) -> u64 {
+        self.trajectory_steps
+    }
+
+    /// The best result on the validation tasks so far.
+    pub fn best(&self) -> Option<&WaypointBest> {
+        self.best.as_ref()
+    }
+
+    /// The stage of the next unit with its number in it and the stage's units; none when all are done.
+    fn place(&self) -> Option<(usize, u64, u64)> {
+        let mut before = 0;
+        for (index, stage) in self.config.stages.iter().enumerate() {
+            let units = stage.updates.div_ceil(UPDATES_PER_UNIT);
+            if self.units < before + units {
+                return Some((index, self.units - before, units));
+            }
+            before += units;
+        }
+        None
+    }
+
+    /// Makes the next unit; `None` when all are done.
+    ///
+    /// # Errors
+    /// If the parameters are no longer finite: the learning rate is too high.
+    pub fn step(&mut self) -> Result<Option<WaypointProgress>, InvalidInput> {
+        let Some((index, unit, units)) = self.place() else { return Ok(None) };
+        let stage = self.config.stages[index].clone();
+        if unit == 0 {
+            self.moments.iter_mut().for_each(|moment| moment.fill(0.0));
+        }
+        let total = (units * UPDATES_PER_UNIT) as f64;
+        let mut groups: Vec<Group> = match stage.kind {
+            StageKind::Imitation => (0..self.config.imitation.groups as u64)
+                .into_par_iter()
+                .map(|group| Group::new(&self.recipe, self.units, group))
+                .collect(),
+            StageKind::PolicyGradient => Vec::new(),
+        };
+        let mut walks: Vec<Walks> = Vec::new();
+        if stage.kind == StageKind::PolicyGradient {
+            walks.resize_with(self.config.policy_gradient.groups, Walks::default);
+        }
+        let (mut sums, mut norms, mut learning_rate) = (Sums::default(), 0.0, 0.0);
+        for update in 0..UPDATES_PER_UNIT {
+            let done = unit * UPDATES_PER_UNIT + update;
+            learning_rate = stage.learning_rate * schedule(done as f64, total);
+            let (net, recipe) = (&self.net, &self.recipe);
+            let mut gradient: Vec<f32>;
+            let divisor;
+            match stage.kind {
+                StageKind::Imitation => {
+                    let steps = self.config.imitation.steps;
+                    groups.par_iter_mut().for_each(|group| group.run(net, recipe, steps));
+                    let parts = groups.iter().map(|group| (&group.gradient, group.sums));
+                    gradient = add_up(parts, &mut sums);
+                    divisor = (groups.len() * GROUP * MEMBERS * steps) as f32;
+                }
+                StageKind::PolicyGradient => {
+                    let settings = &self.config.policy_gradient;
+                    let number = self.units * UPDATES_PER_UNIT + update;
+                    walks.par_iter_mut().enumerate().for_each(|(group, walks)| {
+                        walks.run(net, recipe, settings, number, group as u64);
+                    });
+                    let parts = walks.iter().map(|walks| (&walks.gradient, walks.sums));
+                    gradient = add_up(parts, &mut sums);
+                    divisor = (walks.len() * GROUP * settings.walks) as f32;
+                }
+            }
+            gradient.iter_mut().for_each(|g| *g /= divisor);
+            let norm = f64::from(squared_norm(&gradient)).sqrt();
+            norms += norm;
+            let scale = (MAX_GRADIENT_NORM / norm.max(MAX_GRADIENT_NORM)) as f32;
+            let adam = AdamStep::new(done + 1, learning_rate, BETAS, EPSILON, scale);
+            let [first, second] = &mut self.moments;
+            self.net.update(|parameters| adam.apply(parameters, &gradient, first, second));
+            for (average, p) in self.average.iter_mut().zip(self.net.parameters()) {
+                *average = KEPT * *average + (1.0 - KEPT) * p;
+            }
+        }
+        self.units += 1;
+        self.trajectory_steps += sums.steps as u64;
+        if !self.net.parameters().iter().all(|p| p.is_finite()) {
+            let allowed = format!("a lower rate: after unit {} not all is finite", self.units);
+            return Err(InvalidInput::new("stages.learning_rate", stage.learning_rate, allowed));
+        }
+        let per = match stage.kind {
+            StageKind::Imitation => sums.steps,
+            StageKind::PolicyGradient => sums.ended,
+        };
+        let mut progress = WaypointProgress {
+            stage: index,
+            kind: stage.kind,
+            unit: self.units,
+            updates: self.units * UPDATES_PER_UNIT,
+            trajectory_steps: self.trajectory_steps,
+            learning_rate,
+            loss: sums.loss / per.max(1.0),
+            solved: sums.solved / sums.ended.max(1.0),
+            gradient_norm: norms / UPDATES_PER_UNIT as f64,
+            validation: None,
+            is_best: false,
+        };
+        let last = unit + 1 == units;
+        if last || self.units.is_multiple_of(self.config.validation.every) {
+            self.validate(&mut progress)?;
+        }
+        self.curve.push(progress.clone());
+        Ok(Some(progress))
+    }
+
+    fn validate(&mut self, progress: &mut WaypointProgress) -> Result<(), InvalidInput> {
+        let net = WaypointNet::new(&self.shape, self.average.clone())?;
+        let result = self.tasks.validate(&net, self.recipe.rule, self.config.validation.steps);
+        progress.is_best = self.best.as_ref().is_none_or(|best| result.beats(&best.validation));
+        if progress.is_best {
+            let (parameters, updates) = (self.average.clone(), progress.updates);
+            self.best = Some(WaypointBest { parameters, validation: result, updates });
+        }
+        progress.validation = Some(result);
+        Ok(())
+    }
+
+    /// The best policy on the validation tasks so far, or the present average if there was no validation yet.
+    ///
+    /// # Errors
+    /// Never for a training that has not diverged.
+    pub fn best_policy(&self) -> Result<Policy, InvalidInput> {
+        let (parameters, updates) = match &self.best {
+            Some(best) => (&best.parameters, best.updates),
+            None => (&self.average, self.units * UPDATES_PER_UNIT),
+        };
+        let curve: Vec<_> = self
+            .curve
+            .iter()
+            .filter_map(|progress| Some((progress, progress.validation?)))
+            .map(|(progress, v)| {
+                json!({"updates": progress.updates, "easy": v.easy.success(), "hard": v.hard.success()})
+            })
+            .collect();
+        let card = PolicyCard {
+            format: String::new(),
+            architecture: String::new(),
+            sizes: Vec::new(),
+            waypoints: Profile::DEFAULT.waypoints,
+            observation: self.config.observation.clone(),
+            profile: Profile::DEFAULT.name.into(),
+            action: self.recipe.rule,
+            training: json!({
+                "config": self.config,
+                "updates": updates,
+                "trajectory_steps": self.trajectory_steps,
+                "validation_curve": curve,
+            }),
+            licence: LICENCE.into(),
+        };
+        Policy::of_waypoints(card, WaypointNet::new(&self.shape, parameters.clone())?)
+    }
+}
+
+/// Adds gradients and sums in the order of the groups.
+fn add_up<'a>(parts: impl Iterator<Item = (&'a Vec<f32>, Sums)>, sums: &mut Sums) -> Vec<f32> {
+    let mut total: Vec<f32> = Vec::new();
+    for (gradient, own) in parts {
+        if total.is_empty() {
+            total.extend_from_slice(gradient);
+        } else {
+            total.iter_mut().zip(gradient).for_each(|(sum, g)| *sum += g);
+        }
+        sums.steps += own.steps;
+        sums.loss += own.loss;
+        sums.ended += own.ended;
+        sums.solved += own.solved;
+    }
+    total
+}
+
+/// Share of the highest learning rate after `done` of `total` steps.
+fn schedule(done: f64, total: f64) -> f64 {
+    let rise = (done + 1.0) / WARM_UP.min(0.1 * total).max(1.0);
+    let cosine = 0.5 * (1.0 + (std::f64::consts::PI * done / total).cos());
+    rise.min(1.0) * (LAST_RATE + (1.0 - LAST_RATE) * cosine)
+}
+
+/// He initialisation (2015) of rectified layers, outward layers at a half of it shared among the blocks, a small head; zero
+/// biases.
+fn initial(shape: &WaypointShape, seed: u64) -> Result<Vec<f32>, InvalidInput> {
+    let mut rng = stream(seed, Purpose::Parameters, 0, 0);
+    let mut parameters = Vec::with_capacity(shape.parameter_count()?);
+    let sizes = shape.layer_sizes();
+    let blocks = shape.dilations.len().max(1) as f32;
+    for (index, &(inputs, outputs)) in sizes.iter().enumerate() {
+        let he = (2.0 / inputs as f32).sqrt();
+        let deviation = if index + 1 == sizes.len() {
+            0.1 * he
+        } else if index > 0 && index % 2 == 0 {
+            0.5 * he / blocks.sqrt()
+        } else {
+            he
+        };
+        let draws = (0..(inputs * outputs).div_ceil(2)).flat_map(|_| standard_normal(&mut rng));
+        parameters.extend(draws.take(inputs * outputs).map(|z| deviation * z));
+        parameters.extend(std::iter::repeat_n(0.0, outputs));
+    }
+    Ok(parameters)
+}

@@ -1,0 +1,95 @@
+//! The waypoint policy's training: resumes to the same bits, does not depend on threads, and learns.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use sidestep_train::WaypointTrainer;
+use sidestep_train::waypoint::{StageConfig, StageKind, WaypointConfig};
+
+fn config() -> WaypointConfig {
+    let stage = |kind, updates, learning_rate| StageConfig { kind, updates, learning_rate };
+    let mut config = WaypointConfig {
+        observation: vec!["waypoints".into(), "probes:4x0.5,1.5".into()],
+        stages: vec![
+            stage(StageKind::Imitation, 500, 2e-3),
+            stage(StageKind::PolicyGradient, 250, 1e-4),
+        ],
+        ..WaypointConfig::default()
+    };
+    config.network.width = 16;
+    config.network.dilations = vec![1];
+    config.imitation.groups = 2;
+    config.imitation.steps = 1;
+    config.policy_gradient.groups = 1;
+    config.policy_gradient.walks = 2;
+    config.policy_gradient.steps = 4;
+    config.validation.count = 30;
+    config.validation.every = 1;
+    config
+}
+
+fn finish(mut trainer: WaypointTrainer) -> Vec<u8> {
+    while trainer.step().unwrap().is_some() {}
+    trainer.checkpoint().unwrap()
+}
+
+fn with_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
+}
+
+#[test]
+fn resumed_at_any_unit_and_on_other_threads_it_ends_with_the_same_bits() {
+    let whole = with_threads(1, || finish(WaypointTrainer::new(config()).unwrap()));
+    let resumed = with_threads(3, || {
+        let mut trainer = WaypointTrainer::new(config()).unwrap();
+        loop {
+            let more = trainer.step().unwrap().is_some();
+            trainer = WaypointTrainer::resume(&trainer.checkpoint().unwrap()).unwrap();
+            if !more {
+                return trainer.checkpoint().unwrap();
+            }
+        }
+    });
+    assert!(whole == resumed, "the checkpoints differ");
+    let error = WaypointTrainer::resume(&whole[..whole.len() / 2]).err().unwrap();
+    assert!(error.to_string().contains("checkpoint"), "{error}");
+}
+
+#[test]
+fn imitation_learns() {
+    let mut config = config();
+    config.stages.truncate(1);
+    config.stages[0].updates = 1500;
+    config.validation.count = 150;
+    config.validation.every = 6;
+    let mut trainer = WaypointTrainer::new(config).unwrap();
+    let mut results = Vec::new();
+    while let Some(progress) = trainer.step().unwrap() {
+        results.extend(progress.validation.map(|v| (progress.loss, v)));
+    }
+    // Straight lines that are free already: 46 % of the easy tasks; gradient descent solves 80 %.
+    let (_, last) = results.last().unwrap();
+    assert!(last.easy.success() >= 0.6, "{last:?}");
+}
+
+#[test]
+fn bad_configurations_name_field_value_and_range() {
+    let check = |text: &str, expected: &str| {
+        let text = format!("architecture = \"waypoint\"\n{text}");
+        let message = WaypointConfig::from_toml(&text).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    };
+    check("[network]\nwidth = 70", "network.width: 70");
+    check("[network]\nwidht = 64", "network.widht: an unknown key is not allowed; expected width");
+    check("[network]\ndilations = [0]", "network.dilations: 0");
+    check("[network]\ndilations = [\"a\"]", "network.dilations");
+    check("observation = [\"gradient\"]", "observation: gradient");
+    check("observation = [\"waypoints\", \"probes:0x1\"]", "observation: probes:0x1");
+    check("[tasks]\nseed = 2", "tasks.seed: 2");
+    check("[tasks]\nwaypoints = [9, 3]", "tasks.waypoints: [9, 3]");
+    check("[validation]\nseed = 1", "validation.seed: 1");
+    check("[imitation]\ngroups = 0", "imitation.groups: 0");
+    check("[[stages]]\nkind = \"imitation\"\nupdates = -1\nlearning_rate = 1.0", "stages: -1");
+    check(
+        "[[stages]]\nkind = \"imitation\"\nupdates = 10\nlearning_rate = 0",
+        "stages.learning_rate: 0",
+    );
+}

@@ -1,0 +1,137 @@
+//! The planner for people who want a path: an optimizer, and the exact shortest path behind it.
+//!
+//! 1. The optimizer, from the straight line and as many starts as asked for. A plan hardly longer
+//!    than the straight line is the answer.
+//! 2. The exact shortest path, which also proves that there is none. A plan of step 1 hardly
+//!    longer than it is the answer.
+//! 3. The shortest path made smooth ([`crate::smooth`]).
+//! 4. The shortest path itself.
+//!
+//! So every task is answered that the exact search decides, and no plan is longer than
+//! [`LONGEST`] times the shortest. Where the search does not decide, random starts follow.
+
+use std::sync::Arc;
+
+use super::{Options, Origin, Plan, Status, Watch, optimize, shortest};
+use crate::error::InvalidInput;
+use crate::geometry::distance;
+use crate::objective::Scene;
+use crate::optimizer::Method;
+use crate::smooth::smooth;
+use crate::task::Task;
+use crate::trajectory::Trajectory;
+
+/// A plan may be this many times as long as the shortest path.
+pub const LONGEST: f64 = 1.2;
+/// Steps of a learned optimizer from each start: it is through after a few, or hardly ever.
+const LEARNED_STEPS: usize = 40;
+/// Starts that are tried at least where the exact search does not decide.
+const STARTS: usize = 5;
+
+pub(super) fn auto(
+    scene: &Arc<Scene>,
+    task: &Task,
+    method: &Method,
+    options: &Options,
+    watch: Watch<'_>,
+) -> Result<Plan, InvalidInput> {
+    let optimized = match method {
+        Method::Learned(_) => {
+            let options = Options { steps: options.steps.min(LEARNED_STEPS), ..options.clone() };
+            optimize(scene, task, method, &options, watch)?
+        }
+        _ => optimize(scene, task, method, options, watch)?,
+    };
+    let is_short = |plan: &Plan, shortest: f64| {
+        let length = plan.trajectory.as_ref().map_or(f64::INFINITY, Trajectory::length);
+        plan.status == Status::Solved && length <= LONGEST * shortest
+    };
+    if is_short(&optimized, distance(task.start, task.goal)) {
+        return Ok(optimized);
+    }
+    let exact = shortest(scene, task);
+    let Some(path) = exact.trajectory.as_ref().filter(|_| exact.status == Status::Solved) else {
+        return match exact.status {
+            _ if optimized.status == Status::Solved => Ok(optimized),
+            Status::Unsolved(_) if options.starts < STARTS => {
+                let options = Options { starts: STARTS, ..options.clone() };
+                optimize(scene, task, method, &options, watch)
+            }
+            _ => Ok(Plan { trajectory: optimized.trajectory, ..exact }),
+        };
+    };
+    if is_short(&optimized, path.length()) {
+        return Ok(optimized);
+    }
+    let smoothed = smooth(scene, task, path, LONGEST, options.steps, options.starts, watch)?;
+    Ok(match smoothed {
+        Some(smooth) => Plan {
+            status: Status::Solved,
+            trajectory: Some(smooth.trajectory),
+            steps: smooth.steps,
+            origin: Origin::SmoothShortestPath,
+        },
+        None => exact,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optimizer::Method;
+    use crate::plan::{Planner, plan_batch};
+    use crate::profile::Profile;
+    use crate::queries::random_queries;
+    use crate::robot::Robot;
+    use crate::shortest_path::ShortestPath;
+    use crate::suite::Suite;
+    use crate::world::{Grid, World};
+
+    /// Every decided task is answered, at most [`LONGEST`] times the shortest path long.
+    fn check(tasks: &[Task], profile: Profile) -> Vec<Plan> {
+        let planner = Planner::Auto(Method::GradientDescent { step: None });
+        let options = Options { profile, ..Options::default() };
+        let plans = plan_batch(tasks, &planner, &options).unwrap();
+        for (index, (task, plan)) in tasks.iter().zip(&plans).enumerate() {
+            let route = ShortestPath::new(&task.world, task.robot).find(task.start, task.goal);
+            match (route.length(), &plan.trajectory) {
+                (Some(length), Some(path)) => {
+                    assert_eq!(plan.status, Status::Solved, "{index}");
+                    assert_eq!(crate::certify(task, path), Ok(()), "{index}");
+                    assert!(path.length() <= LONGEST * length + 1e-9, "{index}");
+                }
+                (Some(_), None) => panic!("{index}: {plan:?}"),
+                (None, _) => assert!(matches!(plan.status, Status::Unsolvable(_)), "{index}"),
+            }
+        }
+        plans
+    }
+
+    #[test]
+    fn every_task_of_the_papers_kind_is_answered() {
+        for profile in [Profile::DEFAULT, Profile::PAPER] {
+            let plans = check(&Suite::Easy.generate(150, 1000, &Profile::PAPER), profile);
+            let raw = plans.iter().filter(|plan| plan.origin == Origin::ShortestPath);
+            // Those without a path, and hardly any that could not be made smooth.
+            assert!(raw.count() <= 8);
+        }
+    }
+
+    #[test]
+    fn every_query_in_a_maze_is_answered() {
+        // Walls on every fourth row, with two doors each at pseudo-random columns.
+        let is_wall = |i: usize| {
+            let (column, row) = (i % 60, i / 60);
+            let door = |k: usize| (row * 37 + k * 23) % 56;
+            row % 4 == 3 && (0..2).all(|k| !(door(k)..door(k) + 3).contains(&column))
+        };
+        let cells = (0..60 * 60).map(is_wall).collect();
+        let grid = Grid::new(60, 60, 0.5, [0.0; 2], cells).unwrap();
+        let world = Arc::new(World::new(grid.rect(), Vec::new(), Some(grid)));
+        let robot = Robot::disc(0.3).unwrap();
+        let tasks = random_queries("maze", &world, robot, 30, 1000).unwrap();
+        let plans = check(&tasks, Profile::DEFAULT);
+        let raw = plans.iter().filter(|plan| plan.origin == Origin::ShortestPath).count();
+        assert!(raw <= 1, "{raw}");
+    }
+}

@@ -1,0 +1,522 @@
+//! What the waypoint policy sees: one row of numbers per waypoint, the same for every number of waypoints.
+//!
+//! Lengths are normalised (1 is 10 px of the paper's field), directions are along and across the line from start to goal, and
+//! distances are the exact signed distances of the robot's body, walls included. A row holds
+//!
+//! | numbers | what |
+//! | --- | --- |
+//! | 2, 2 | offset from the start, and to the goal (/3.2) |
+//! | 2, 2 | offset to the point before, and to the one after (x2) |
+//! | 2 | the last update (x2.5) |
+//! | 1, 1, 1 | distance from start to goal (/3.2), place i / (N + 1), N + 1 (/11) |
+//! | 1, 1, 1 | steps so far (/20), whether the first trajectory was not the straight line, share of segments that are not free |
+//! | 1, 1, 2 | signed distance at the waypoint: coarse (clamped to 1.2, /0.6), fine (clamped to 0.15, /0.15); its gradient |
+//! | 7, 7 | of the segment before, and of the one after: coarse distance at 3 points; the least of them fine; its gradient; whether it is free by the certificate |
+//! | R x K | coarse distance at K directions on each of R circles around the waypoint |
+//!
+//! The circles see the surroundings of all waypoints together; no map is needed besides.
+
+use crate::distance::{Field, LANES, Samples};
+use crate::error::InvalidInput;
+use crate::kernels::{Isa, dispatch};
+use crate::objective::Objective;
+use crate::policy::ActionRule;
+
+/// Numbers of a row besides the probes.
+const OWN: usize = 34;
+/// Points on each segment.
+const ON_SEGMENT: usize = 3;
+/// Coarse distances are clamped to this, and halved.
+const COARSE: f32 = 1.2;
+/// Fine distances are clamped to this.
+const FINE: f32 = 0.15;
+/// Most probes of a waypoint.
+const MAX_PROBES: usize = 1024;
+
+/// The probes of a view, as in `probes:12x0.25,0.6,1.1`: so many directions on circles of these radii.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probes {
+    /// Directions per circle.
+    pub directions: usize,
+    /// Radii, in normalised units.
+    pub radii: Vec<f32>,
+}
+
+/// Name of the part of the observation that every view has.
+pub const PART: &str = "waypoints";
+
+impl Probes {
+    /// The probes of an observation: the parts [`PART`] and `probes:..`, in that order.
+    ///
+    /// # Errors
+    /// If the parts are others.
+    pub fn from_parts(parts: &[String]) -> Result<Self, InvalidInput> {
+        match parts {
+            [first, probes] if first == PART => Self::named(probes),
+            _ => {
+                let allowed = format!("{PART}, then probes:KxR1,R2,..");
+                Err(InvalidInput::new("observation", parts.join(", "), allowed))
+            }
+        }
+    }
+
+    /// The probes of that name.
+    ///
+    /// # Errors
+    /// If the text is not `probes:KxR1,R2,..` with K and the radii in range.
+    pub fn named(name: &str) -> Result<Self, InvalidInput> {
+        let parsed = name.strip_prefix("probes:").and_then(|rest| {
+            let (directions, radii) = rest.split_once('x')?;
+            let radii: Option<Vec<f32>> = radii.split(',').map(|r| r.parse().ok()).collect();
+            Some(Self { directions: directions.parse().ok()?, radii: radii? })
+        });
+        parsed
+            .filter(|probes| {
+                let radii = probes.radii.iter().all(|r| *r > 0.0 && *r <= 100.0);
+                radii
+                    && (1..=MAX_PROBES).contains(&probes.directions)
+                    && probes.radii.len() <= MAX_PROBES / probes.directions
+            })
+            .ok_or_else(|| {
+                InvalidInput::new(
+                    "observation",
+                    name,
+                    format!("probes:KxR1,R2,.. with radii above 0 and up to {MAX_PROBES} probes"),
+                )
+            })
+    }
+
+    /// The name of these probes.
+    pub fn name(&self) -> String {
+        let radii: Vec<String> = self.radii.iter().map(f32::to_string).collect();
+        format!("probes:{}x{}", self.directions, radii.join(","))
+    }
+
+    /// Numbers of a view's row.
+    pub fn row_len(&self) -> usize {
+        OWN + self.directions * self.radii.len()
+    }
+
+    /// Offsets in frame axes, circle by circle.
+    fn offsets(&self) -> impl Iterator<Item = [f32; 2]> + '_ {
+        self.radii.iter().flat_map(move |&radius| {
+            (0..self.directions).map(move |k| {
+                let angle = k as f64 / self.directions as f64 * std::f64::consts::TAU;
+                [radius * angle.cos() as f32, radius * angle.sin() as f32]
+            })
+        })
+    }
+}
+
+/// The view of one trajectory of one task, with what it remembers from earlier steps.
+#[derive(Debug, Clone)]
+pub struct WaypointView {
+    waypoints: usize,
+    start: [f32; 2],
+    goal: [f32; 2],
+    length: f32,
+    /// Direction from start to goal.
+    along: [f32; 2],
+    /// Where waypoints may be: `[min_x, min_y, max_x, max_y]`.
+    room: [f32; 4],
+    /// Offsets of the probes, in field axes.
+    offsets: Vec<[f32; 2]>,
+    /// Last update of each waypoint, in frame axes.
+    previous: Vec<[f32; 2]>,
+    age: u32,
+    is_bent: bool,
+    is_free: bool,
+    buffers: Buffers,
+    isa: Isa,
+}
+
+#[derive(Debug, Clone)]
+struct Buffers {
+    /// Waypoints, then [`ON_SEGMENT`] points of each segment.
+    x: Vec<f32>,
+    y: Vec<f32>,
+    samples: Samples,
+    /// Per segment, whether it is free.
+    free: Vec<bool>,
+    /// Probes of all waypoints.
+    probe_x: Vec<f32>,
+    probe_y: Vec<f32>,
+    probe: Vec<f32>,
+}
+
+impl WaypointView {
+    /// A view of the trajectories of `objective`.
+    pub fn new(probes: &Probes, objective: &Objective) -> Self {
+        let waypoints = objective.waypoints();
+        let (start, goal) = (objective.start(), objective.goal());
+        let (dx, dy) = (goal[0] - start[0], goal[1] - start[1]);
+        let length = dx.hypot(dy);
+        let along = if length > 1e-6 { [dx / length, dy / length] } else { [1.0, 0.0] };
+        let scene = objective.scene();
+        let bounds = scene.certifier().bounds();
+        let [min_x, min_y] = scene.frame().to_normalised(bounds.min);
+        let [max_x, max_y] = scene.frame().to_normalised(bounds.max);
+        // Half a hair inside, so that rounding to f32 puts no waypoint into a wall.
+        let hair = 1e-5;
+        let offsets: Vec<[f32; 2]> = probes.offsets().map(|p| turn(p, along)).collect();
+        let points = (waypoints + ON_SEGMENT * (waypoints + 1)).next_multiple_of(LANES);
+        let probed = (waypoints * offsets.len()).next_multiple_of(LANES);
+        // Prepared here, so that no iteration pays for it.
+        scene.exact_field();
+        Self {
+            waypoints,
+            start,
+            goal,
+            length,
+            along,
+            room: [min_x + hair, min_y + hair, max_x - hair, max_y - hair],
+            offsets,
+            previous: vec![[0.0; 2]; waypoints],
+            age: 0,
+            is_bent: false,
+            is_free: false,
+            buffers: Buffers {
+                x: vec![start[0]; points],
+                y: vec![start[1]; points],
+                samples: Samples::with_len(points),
+                free: vec![false; waypoints + 1],
+                probe_x: vec![start[0]; probed],
+                probe_y: vec![start[1]; probed],
+                probe: vec![0.0; probed],
+            },
+            isa: Isa::detect(),
+        }
+    }
+
+    /// Forgets earlier steps: the next trajectory is a first one.
+    pub fn reset(&mut self) {
+        self.previous.fill([0.0; 2]);
+        self.age = 0;
+    }
+
+    /// Updates made since the first trajectory.
+    pub fn age(&self) -> u32 {
+        self.age
+    }
+
+    /// Whether the trajectory last seen is free by the exact certificate.
+    pub fn is_free(&self) -> bool {
+        self.is_free
+    }
+
+    /// Writes the rows of the waypoints `x [N x 2]` to `out [N x stride]`, `stride` at least the row's length.
+    pub fn encode(&mut self, objective: &Objective, x: &[f32], out: &mut [f32], stride: usize) {
+        let points = x.as_chunks::<2>().0;
+        if self.age == 0 {
+            self.is_bent = self.bends(points);
+        }
+        let mut from = self.start;
+        for (free, &to) in self.buffers.free.iter_mut().zip(points.iter().chain([&self.goal])) {
+            *free = objective.segment_is_free(from, to);
+            from = to;
+        }
+        let blocked = self.buffers.free.iter().filter(|free| !**free).count();
+        self.is_free = blocked == 0;
+        let field = objective.scene().exact_field();
+        measure(self.isa, field, &mut self.buffers, &self.offsets, self.start, points, self.goal);
+        let shared = [
+            self.length / 3.2,
+            (self.waypoints + 1) as f32 / 11.0,
+            (self.age as f32 / 20.0).min(2.0),
+            f32::from(u8::from(self.is_bent)),
+            blocked as f32 / (self.waypoints + 1) as f32,
+        ];
+        for (i, row) in out.chunks_exact_mut(stride).take(self.waypoints).enumerate() {
+            self.write_row(i, points, &shared, row);
+        }
+    }
+
+    fn write_row(&self, i: usize, points: &[[f32; 2]], shared: &[f32; 5], row: &mut [f32]) {
+        let before = if i > 0 { points[i - 1] } else { self.start };
+        let after = points.get(i + 1).copied().unwrap_or(self.goal);
+        let samples = &self.buffers.samples;
+        let at = points[i];
+        let mut rest = &mut row[..];
+        let mut put = |values: &[f32]| {
+            let (head, tail) = std::mem::take(&mut rest).split_at_mut(values.len());
+            head.copy_from_slice(values);
+            rest = tail;
+        };
+        let offset = |from: [f32; 2], to: [f32; 2], factor: f32| {
+            back([factor * (to[0] - from[0]), factor * (to[1] - from[1])], self.along)
+        };
+        put(&offset(self.start, at, 1.0 / 3.2));
+        put(&offset(at, self.goal, 1.0 / 3.2));
+        put(&offset(at, before, 2.0));
+        put(&offset(at, after, 2.0));
+        put(&self.previous[i].map(|u| 2.5 * u));
+        put(shared);
+        put(&[(i + 1) as f32 / (self.waypoints + 1) as f32]);
+        put(&[coarse(samples.distance[i]), fine(samples.distance[i])]);
+        put(&back([samples.gradient_x[i], samples.gradient_y[i]], self.along));
+        for segment in [i, i + 1] {
+            let first = self.waypoints + ON_SEGMENT * segment;
+            let mut least = first;
+            for k in first..first + ON_SEGMENT {
+                put(&[coarse(samples.distance[k])]);
+                if samples.distance[k] < samples.distance[least] {
+                    least = k;
+                }
+            }
+            put(&[fine(samples.distance[least])]);
+            put(&back([samples.gradient_x[least], samples.gradient_y[least]], self.along));
+            put(&[f32::from(u8::from(self.buffers.free[segment]))]);
+        }
+        let probes = self.offsets.len();
+        let (head, tail) = rest.split_at_mut(probes);
+        for (out, &distance) in head.iter_mut().zip(&self.buffers.probe[i * probes..]) {
+            *out = coarse(distance);
+        }
+        tail.fill(0.0);
+    }
+
+    /// Whether the waypoints leave the straight line by more than half a pixel.
+    fn bends(&self, points: &[[f32; 2]]) -> bool {
+        let segments = (self.waypoints + 1) as f32;
+        points.iter().enumerate().any(|(i, p)| {
+            let t = (i + 1) as f32 / segments;
+            (0..2).any(|axis| {
+                let line = self.start[axis] + t * (self.goal[axis] - self.start[axis]);
+                (p[axis] - line).abs() > 0.05
+            })
+        })
+    }
+
+    /// Moves the waypoints `x [N x 2]` by the network's `output(i)` for each, in frame axes, as `rule` says, and
+    /// remembers the update. A NaN counts as 0.
+    pub fn apply(&mut self, rule: &ActionRule, output: impl Fn(usize) -> [f32; 2], x: &mut [f32]) {
+        let [min_x, min_y, max_x, max_y] = self.room;
+        for (i, p) in x.as_chunks_mut::<2>().0.iter_mut().enumerate() {
+            let update = output(i).map(|value| {
+                let update = (rule.scale * value).clamp(-rule.limit, rule.limit);
+                if update.is_nan() { 0.0 } else { update }
+            });
+            let moved = turn(update, self.along);
+            let mut next = [p[0] + moved[0], p[1] + moved[1]];
+            if rule.keep_inside {
+                next = [next[0].max(min_x).min(max_x), next[1].max(min_y).min(max_y)];
+            }
+            *p = next;
+            self.previous[i] = update;
+        }
+        self.age += 1;
+    }
+
+    /// The direction from start to goal, the first of the frame's axes.
+    pub fn along(&self) -> [f32; 2] {
+        self.along
+    }
+}
+
+fn coarse(distance: f32) -> f32 {
+    distance.clamp(-COARSE, COARSE) / 0.6
+}
+
+fn fine(distance: f32) -> f32 {
+    distance.clamp(-FINE, FINE) / FINE
+}
+
+/// From frame axes to field axes.
+fn turn([along, across]: [f32; 2], [c, s]: [f32; 2]) -> [f32; 2] {
+    [c * along - s * across, s * along + c * across]
+}
+
+/// From field axes to frame axes.
+fn back([x, y]: [f32; 2], [c, s]: [f32; 2]) -> [f32; 2] {
+    [c * x + s * y, c * y - s * x]
+}
+
+dispatch! {
+    /// Fills distances and gradients of waypoints and points on segments, and the distances of the probes.
+    fn measure(
+        field: &Field,
+        buffers: &mut Buffers,
+        offsets: &[[f32; 2]],
+        start: [f32; 2],
+        points: &[[f32; 2]],
+        goal: [f32; 2],
+    ) = measure_body;
+}
+
+// The same plain arithmetic on every instruction set, so the same bits.
+#[inline(always)]
+fn measure_body<const ISA: u8>(
+    field: &Field,
+    buffers: &mut Buffers,
+    offsets: &[[f32; 2]],
+    start: [f32; 2],
+    points: &[[f32; 2]],
+    goal: [f32; 2],
+) {
+    let Buffers { x, y, samples, probe_x, probe_y, probe, .. } = buffers;
+    let mut from = start;
+    for (segment, &to) in points.iter().chain([&goal]).enumerate() {
+        let first = points.len() + ON_SEGMENT * segment;
+        for k in 0..ON_SEGMENT {
+            let t = (k + 1) as f32 / (ON_SEGMENT + 1) as f32;
+            x[first + k] = from[0] + t * (to[0] - from[0]);
+            y[first + k] = from[1] + t * (to[1] - from[1]);
+        }
+        from = to;
+    }
+    let probes = offsets.len();
+    for (i, p) in points.iter().enumerate() {
+        (x[i], y[i]) = (p[0], p[1]);
+        let (px, py) = (&mut probe_x[i * probes..][..probes], &mut probe_y[i * probes..][..probes]);
+        for ((px, py), offset) in px.iter_mut().zip(py).zip(offsets) {
+            *px = p[0] + offset[0];
+            *py = p[1] + offset[1];
+        }
+    }
+    let sampled = points.len() + ON_SEGMENT * (points.len() + 1);
+    field.sample(x, y, sampled, samples);
+    field.probe(probe_x, probe_y, probe);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Point, Rect};
+    use crate::objective::Scene;
+    use crate::profile::Profile;
+    use crate::suite::{candidate, varied};
+    use crate::task::Task;
+    use crate::world::{Obstacle, World};
+    use std::sync::Arc;
+
+    fn probes() -> Probes {
+        Probes::named("probes:8x0.5,2").unwrap()
+    }
+
+    fn objective(task: &Task, profile: &Profile) -> Objective {
+        Objective::new(task, Arc::new(Scene::of(task, profile)), 7).unwrap()
+    }
+
+    /// The task turned by a right angle about the middle of its field.
+    fn turned(task: &Task) -> Task {
+        let place = |p: Point| [64.0 - p[1], p[0]];
+        let rect = |obstacle: &Obstacle| {
+            let Rect { min, max } = obstacle.bounding_box();
+            let (a, b) = (place(min), place(max));
+            Obstacle::Rect(Rect::new([b[0], a[1]], [a[0], b[1]]).unwrap())
+        };
+        let obstacles = task.world.obstacles().iter().map(rect).collect();
+        let world = Arc::new(World::new(task.world.bounds(), obstacles, None));
+        let (start, goal) = (place(task.start), place(task.goal));
+        Task { world, start, goal, ..task.clone() }
+    }
+
+    #[test]
+    fn a_turned_world_looks_the_same() {
+        for index in 0..20 {
+            let task = if index % 2 == 0 { candidate(1000, index) } else { varied(1000, index) };
+            let mut seen = Vec::new();
+            for task in [task.clone(), turned(&task)] {
+                let objective = objective(&task, &Profile::DEFAULT);
+                let mut view = WaypointView::new(&probes(), &objective);
+                let mut x = vec![0.0; 14];
+                objective.straight_line(&mut x);
+                let stride = probes().row_len() + 3;
+                let mut rows = vec![9.0; 7 * stride];
+                view.encode(&objective, &x, &mut rows, stride);
+                view.apply(&ActionRule::PAPER, |i| [0.1 * i as f32, 0.3], &mut x);
+                view.encode(&objective, &x, &mut rows, stride);
+                seen.push((rows, view.is_free()));
+            }
+            assert_eq!(seen[0].1, seen[1].1);
+            // Where two obstacles are equally near, the gradient may be either's; allow for a few.
+            let pairs = seen[0].0.iter().zip(&seen[1].0);
+            let different = pairs.filter(|(a, b)| (*a - *b).abs() > 2e-3).count();
+            assert!(different <= 6, "{index}: {different}");
+        }
+    }
+
+    #[test]
+    fn both_profiles_look_the_same() {
+        let task = candidate(1000, 3);
+        let rows = [Profile::DEFAULT, Profile::PAPER].map(|profile| {
+            let objective = objective(&task, &profile);
+            let mut x = vec![0.0; 14];
+            objective.straight_line(&mut x);
+            let stride = probes().row_len();
+            let mut rows = vec![0.0; 7 * stride];
+            WaypointView::new(&probes(), &objective).encode(&objective, &x, &mut rows, stride);
+            rows
+        });
+        for (a, b) in rows[0].iter().zip(&rows[1]) {
+            assert!((a - b).abs() <= 1e-4, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn rows_hold_what_the_table_says() {
+        let rect = Rect::new([30.0, 26.0], [34.0, 40.0]).unwrap();
+        let bounds = Rect::new([0.0; 2], [64.0; 2]).unwrap();
+        let world = Arc::new(World::new(bounds, vec![Obstacle::Rect(rect)], None));
+        let task = Task::new("", world, crate::Robot::Point, [16.0, 32.0], [48.0, 32.0]).unwrap();
+        let objective = Objective::new(&task, Arc::new(Scene::of(&task, &Profile::DEFAULT)), 1);
+        let objective = objective.unwrap();
+        let probes = Probes::named("probes:4x1").unwrap();
+        let mut view = WaypointView::new(&probes, &objective);
+        let mut row = vec![0.0; probes.row_len()];
+        // The one waypoint is at (24, 32): 0.6 from the rectangle, which blocks the segment after it.
+        view.encode(&objective, &[2.4, 3.2], &mut row, probes.row_len());
+        let expect = [
+            0.25,
+            0.0,
+            0.75,
+            0.0,
+            -1.6,
+            0.0,
+            4.8,
+            0.0,
+            0.0,
+            0.0, // offsets, last update
+            1.0,
+            2.0 / 11.0,
+            0.0,
+            1.0,
+            0.5,
+            0.5, // shared, place
+            1.0,
+            1.0,
+            -1.0,
+            0.0, // distance
+        ];
+        for (at, (got, want)) in row.iter().zip(expect).enumerate() {
+            assert!((got - want).abs() <= 1e-5, "{at}: {got} {want}");
+        }
+        let after = &row[27..34];
+        // Points at (30, 32), (36, 32) and (42, 32): on the side, 0.2 behind it, 0.8 behind it.
+        let expect = [0.0, 0.2 / 0.6, 0.8 / 0.6, 0.0];
+        for (got, want) in after.iter().zip(expect) {
+            assert!((got - want).abs() <= 1e-5, "{after:?}");
+        }
+        assert_eq!(after[6], 0.0, "blocked");
+        assert_eq!(row[26], 1.0, "the segment before is free");
+        // Probes ahead, left, behind, right: inside the rectangle by 0.2 + .., beside it.
+        let ahead = row[34];
+        assert!((ahead + 0.0).abs() <= 0.34 && ahead <= 0.0, "{ahead}");
+        assert!(!view.is_free());
+    }
+
+    #[test]
+    fn names_of_probes_are_checked() {
+        assert_eq!(Probes::named(&probes().name()).unwrap(), probes());
+        for name in
+            ["probes", "probes:0x1", "probes:4x", "probes:4x-1", "probes:4xnan", "probes:999x1,2"]
+        {
+            assert_eq!(Probes::named(name).unwrap_err().field, "observation", "{name}");
+        }
+        let parts = |names: &[&str]| {
+            Probes::from_parts(&names.iter().map(|n| (*n).to_string()).collect::<Vec<_>>())
+        };
+        assert!(parts(&["waypoints", "probes:4x1"]).is_ok());
+        assert!(parts(&["gradient", "probes:4x1"]).is_err());
+    }
+}
