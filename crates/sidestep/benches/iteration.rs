@@ -13,7 +13,7 @@ use sidestep::objective::{Objective, Scene};
 use sidestep::objective_reference;
 use sidestep::observation::Encoder;
 use sidestep::optimizer::{Method, Optimizer};
-use sidestep::policy::Policy;
+use sidestep::policy::{Policy, PolicyNetwork};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::suite::Suite;
@@ -114,13 +114,12 @@ fn learned_alone(bencher: divan::Bencher) {
 fn learned_in_a_batch(bencher: divan::Bencher, together: usize) {
     let mut batch = batch(&Profile::PAPER);
     let policy = Policy::from_safetensors(POLICY).unwrap();
+    let PolicyNetwork::Mlp { network, parts } = policy.network() else { unreachable!() };
     let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
     let mut encoders: Vec<Encoder> = tasks
         .iter()
         .zip(&batch.objectives)
-        .map(|(task, (objective, _))| {
-            Encoder::new(policy.observation(), objective, &task.world).unwrap()
-        })
+        .map(|(task, (objective, _))| Encoder::new(parts, objective, &task.world).unwrap())
         .collect();
     let (mut gradient, mut scratch) = ([0.0; 20], Scratch::default());
     let mut observations = vec![0.0; 20 * together];
@@ -132,7 +131,7 @@ fn learned_in_a_batch(bencher: divan::Bencher, together: usize) {
                 objective.cost_and_gradient(x, &mut gradient);
                 encoder.encode(objective, x, &gradient, row);
             }
-            policy.network().forward_batch(&observations, &mut scratch);
+            network.forward_batch(&observations, &mut scratch);
             for (index, ((objective, _), x)) in objectives.iter().zip(xs).enumerate() {
                 let field = objective.scene().field_size();
                 policy.card().action.apply(scratch.output(index), field, x);
