@@ -1,10 +1,9 @@
 //! Initial parameters of policy and value networks. Biases are zero throughout.
 //!
-//! The paper says "weights are initialized with identity matrix" (section II.B); its published code meant
-//! that but reached only the middle layer of the policy. Orthogonal initialisation with these gains is
+//! The paper says "weights are initialized with identity matrix" (section II.B). Its published code sets that and then
+//! hands the networks to a library that overwrites it in every layer with the orthogonal initialisation, with the gains of
 //! detail 2 of Huang et al., "The 37 Implementation Details of PPO" (ICLR blog track 2022).
 
-use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
@@ -19,11 +18,9 @@ pub enum Initialization {
     /// Every weight matrix is a rectangular identity: 1 where row = column, else 0 (the paper's text). It cannot learn much:
     /// hidden units beyond the observation's length stay dead, for nothing goes into them or comes out.
     Identity,
-    /// As the paper's code ran: identity in the policy's middle layer only, and
-    /// elsewhere PyTorch's default, uniform in +-1/sqrt(inputs). It made the paper's results, so it is the default.
+    /// Orthogonal rows or columns, gain sqrt(2) in hidden layers, 0.01 at the policy's head, 1 at the value's. It is what
+    /// ran when the paper's results were made, so it is the default.
     #[default]
-    Original,
-    /// Orthogonal rows or columns, gain sqrt(2) in hidden layers, 0.01 at the policy's head, 1 at the value's.
     Orthogonal,
 }
 
@@ -54,10 +51,6 @@ impl Initialization {
             let last = layer + 1 == layers;
             let weights = match self {
                 Self::Identity => identity(inputs, outputs),
-                Self::Original if role == Role::Policy && layer > 0 && !last => {
-                    identity(inputs, outputs)
-                }
-                Self::Original => uniform(inputs, outputs, rng),
                 Self::Orthogonal => {
                     let gain = match (last, role) {
                         (false, _) => std::f64::consts::SQRT_2,
@@ -78,12 +71,6 @@ impl Initialization {
 fn identity(inputs: usize, outputs: usize) -> Vec<f32> {
     let entry = |index: usize| if index / inputs == index % inputs { 1.0 } else { 0.0 };
     (0..inputs * outputs).map(entry).collect()
-}
-
-/// `[outputs x inputs]`, uniform in +-1/sqrt(inputs).
-fn uniform(inputs: usize, outputs: usize, rng: &mut ChaCha8Rng) -> Vec<f32> {
-    let bound = 1.0 / (inputs as f32).sqrt();
-    (0..inputs * outputs).map(|_| bound * (2.0 * rng.random::<f32>() - 1.0)).collect()
 }
 
 /// `[outputs x inputs]` with orthonormal rows (or columns, if there are more rows) times `gain`: a
@@ -137,22 +124,6 @@ mod tests {
     fn identity_is_rectangular() {
         let eye = weights(Initialization::Identity, Role::Policy, &[2, 3, 2], 0);
         assert_eq!(eye, [1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
-    }
-
-    #[test]
-    fn original_reaches_the_middle_policy_layer_only() {
-        let sizes = [4, 3, 3, 2];
-        let eye = identity(3, 3);
-        let check = |role, layer, is_eye: bool| {
-            let found = weights(Initialization::Original, role, &sizes, layer);
-            assert_eq!(found == eye, is_eye);
-            let bound = 1.0 / (sizes[layer] as f32).sqrt();
-            assert!(is_eye || found.iter().all(|w| w.abs() <= bound && *w != 0.0));
-        };
-        check(Role::Policy, 0, false);
-        check(Role::Policy, 1, true);
-        check(Role::Policy, 2, false);
-        check(Role::Value, 1, false);
     }
 
     #[test]

@@ -63,8 +63,8 @@ fn cloning_learns_gradient_descent() {
     assert_eq!(losses.len(), 157);
     let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
     assert!(mean(&losses[147..]) < 0.1 * mean(&losses[..10]), "{losses:?}");
-    // 20 seeds: 75.0 to 81.0 %, mean 79.0, deviation 1.5.
-    assert!(progress.validation.unwrap().success() > 0.73);
+    // 20 seeds: 80.3 to 81.0 %, mean 80.7, deviation 0.2; gradient descent itself 80.3.
+    assert!(progress.validation.unwrap().success() > 0.79);
 }
 
 #[test]

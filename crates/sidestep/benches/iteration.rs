@@ -1,5 +1,6 @@
 //! One optimizer iteration per task, in a batch on one core: the fast path beside its plain f64
-//! twin, objective and gradient alone and with the feasibility check.
+//! twin, objective and gradient alone and with the feasibility check; and the learned optimizer of hidden
+//! size 64 on one trajectory alone and on many in step.
 //!
 //! `cargo bench -p sidestep --bench iteration`
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark")]
@@ -7,9 +8,14 @@
 use std::sync::Arc;
 
 use divan::counter::ItemsCount;
+use sidestep::network::Scratch;
 use sidestep::objective::{Objective, Scene};
 use sidestep::objective_reference;
+use sidestep::observation::Encoder;
+use sidestep::optimizer::{Method, Optimizer};
+use sidestep::policy::{Policy, PolicyNetwork};
 use sidestep::profile::Profile;
+use sidestep::rng::{Purpose, stream};
 use sidestep::suite::Suite;
 
 fn main() {
@@ -73,6 +79,64 @@ fn gradient_descent_with_check(bencher: divan::Bencher, name: &str) {
             feasible += usize::from(objective.is_feasible(x));
         }
         feasible
+    });
+}
+
+/// The committed policy of Table I: hidden size 64, profile `paper`.
+const POLICY: &[u8] = include_bytes!("../../../policies/paper-mlp-80k.safetensors");
+
+/// Objective, gradient, observation, policy and update of one trajectory at a time, as planning does it.
+#[divan::bench]
+fn learned_alone(bencher: divan::Bencher) {
+    let mut batch = batch(&Profile::PAPER);
+    let method = Method::Learned(Arc::new(Policy::from_safetensors(POLICY).unwrap()));
+    let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
+    let mut optimizers: Vec<Optimizer> = tasks
+        .iter()
+        .zip(&batch.objectives)
+        .map(|(task, (objective, _))| {
+            let rng = stream(0, Purpose::Planner, 0, 0);
+            Optimizer::new(&method, task, objective, rng).unwrap()
+        })
+        .collect();
+    let mut gradient = [0.0; 20];
+    bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
+        let trajectories = batch.objectives.iter_mut().zip(&mut batch.x);
+        for (((objective, _), x), optimizer) in trajectories.zip(&mut optimizers) {
+            let cost = objective.cost_and_gradient(x, &mut gradient);
+            optimizer.step(x, cost, &gradient, objective);
+        }
+    });
+}
+
+/// The same for all tasks in step on one core: one product per layer for so many trajectories.
+#[divan::bench(args = [64, 256])]
+fn learned_in_a_batch(bencher: divan::Bencher, together: usize) {
+    let mut batch = batch(&Profile::PAPER);
+    let policy = Policy::from_safetensors(POLICY).unwrap();
+    let PolicyNetwork::Mlp { network, parts } = policy.network() else { unreachable!() };
+    let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
+    let mut encoders: Vec<Encoder> = tasks
+        .iter()
+        .zip(&batch.objectives)
+        .map(|(task, (objective, _))| Encoder::new(parts, objective, &task.world).unwrap())
+        .collect();
+    let (mut gradient, mut scratch) = ([0.0; 20], Scratch::default());
+    let mut observations = vec![0.0; 20 * together];
+    bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
+        let groups = batch.objectives.chunks_mut(together).zip(batch.x.chunks_mut(together));
+        for ((objectives, xs), encoders) in groups.zip(encoders.chunks_mut(together)) {
+            let rows = observations.chunks_exact_mut(20).zip(&mut *encoders);
+            for (((objective, _), x), (row, encoder)) in objectives.iter_mut().zip(&*xs).zip(rows) {
+                objective.cost_and_gradient(x, &mut gradient);
+                encoder.encode(objective, x, &gradient, row);
+            }
+            network.forward_batch(&observations, &mut scratch);
+            for (index, ((objective, _), x)) in objectives.iter().zip(xs).enumerate() {
+                let field = objective.scene().field_size();
+                policy.card().action.apply(scratch.output(index), field, x);
+            }
+        }
     });
 }
 

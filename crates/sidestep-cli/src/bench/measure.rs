@@ -2,7 +2,7 @@
 //!
 //! Three passes: the planner as it is used, on all cores, for success and quality; for optimizers, every
 //! iterate of every start with both checks, for the paper's any-step and end-state success; and the
-//! first tasks of each set once more on one thread, for times.
+//! first tasks of each set once more on one thread, for times of plans and of iterations.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -84,6 +84,10 @@ pub fn row(
         Planner::Optimizer(method) => Some(every_iterate(sets, method, options, bar)?),
         _ => None,
     };
+    let us_per_iteration = match planner {
+        Planner::Optimizer(method) => us_per_iteration(sets, method, options, timed)?,
+        _ => None,
+    };
     let mut times = times(sets, planner, options, timed)?;
     let share = |count: usize| count as f64 / tasks as f64;
     Ok(Row {
@@ -107,7 +111,7 @@ pub fn row(
         iterations_median: every
             .as_ref()
             .and_then(|every| quantile(&mut every.solved_iterations(), 0.5)),
-        us_per_iteration: every.as_ref().map(|every| every.us_per_iteration),
+        us_per_iteration,
         us_per_plan_median: quantile(&mut times.plans, 0.5).unwrap_or_default(),
         us_per_plan_p95: quantile(&mut times.plans, 0.95).unwrap_or_default(),
         us_per_world_median: quantile(&mut times.worlds, 0.5),
@@ -233,8 +237,6 @@ pub struct EveryIterate {
     pub certified: usize,
     /// First feasible iterate of each task, the least over its starts.
     pub firsts: Vec<Option<usize>>,
-    /// Microseconds per iteration.
-    pub us_per_iteration: f64,
 }
 
 impl EveryIterate {
@@ -251,19 +253,14 @@ pub fn every_iterate(
     options: &Options,
     bar: &ProgressBar,
 ) -> Result<EveryIterate, Failure> {
-    let mut every =
-        EveryIterate { any: 0, end: 0, certified: 0, firsts: Vec::new(), us_per_iteration: 0.0 };
-    let (mut seconds, mut steps) = (0.0, 0);
+    let mut every = EveryIterate { any: 0, end: 0, certified: 0, firsts: Vec::new() };
     for set in sets {
         let run_one = |scene: &Arc<Scene>, index: usize, task: &Task| {
             let outcome = all_starts(scene, task, index as u64, method, options);
             bar.inc(1);
             outcome
         };
-        let runs: Vec<(Vec<Run>, f64)> = in_scenes(set, options, run_one)?;
-        for (runs, spent) in runs {
-            seconds += spent;
-            steps += runs.iter().map(|run| run.steps).sum::<usize>();
+        for (runs, _) in in_scenes(set, options, run_one)? {
             let first = runs.iter().filter_map(|run| run.first_feasible).min();
             every.any += usize::from(first.is_some());
             every.end += usize::from(runs.iter().any(|run| run.feasible_at_end));
@@ -271,8 +268,30 @@ pub fn every_iterate(
             every.firsts.push(first);
         }
     }
-    every.us_per_iteration = seconds * 1e6 / steps.max(1) as f64;
     Ok(every)
+}
+
+/// Microseconds per iteration, the median over the first `timed` tasks of each set, one after the other on this thread;
+/// every start of each to the end. `None` if no task is timed.
+pub fn us_per_iteration(
+    sets: &[TaskSet],
+    method: &Method,
+    options: &Options,
+    timed: usize,
+) -> Result<Option<f64>, Failure> {
+    let mut times = Vec::new();
+    for set in sets {
+        for (first, tasks) in by_world(&set.tasks[..timed.min(set.tasks.len())]) {
+            let scene = Arc::new(Scene::of(&tasks[0], &options.profile));
+            for (offset, task) in tasks.iter().enumerate() {
+                let index = (first + offset) as u64;
+                let (runs, seconds) = all_starts(&scene, task, index, method, options)?;
+                let steps: usize = runs.iter().map(|run| run.steps).sum();
+                times.push(seconds * 1e6 / steps.max(1) as f64);
+            }
+        }
+    }
+    Ok(quantile(&mut times, 0.5))
 }
 
 /// Runs every start to the end, and the seconds that the iterations took.

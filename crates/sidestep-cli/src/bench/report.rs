@@ -74,7 +74,8 @@ pub struct Row {
     pub iterations_mean: Option<f64>,
     /// Median of the same.
     pub iterations_median: Option<f64>,
-    /// Microseconds per optimizer iteration with objective, gradient and both checks, one thread.
+    /// Microseconds per optimizer iteration with objective, gradient and both checks, on one thread: the median over the
+    /// timed tasks.
     pub us_per_iteration: Option<f64>,
     /// Median microseconds from task to answer, one thread. Where tasks share a world, without what
     /// is prepared once for the world.

@@ -15,7 +15,7 @@ pub struct Experiment {
     pub name: String,
     /// What the table shows, for its caption.
     pub title: String,
-    /// Seeds that each policy is trained with.
+    /// Seeds that each policy is trained with, if it names none of its own.
     #[serde(default)]
     pub training_seeds: Vec<u64>,
     /// The measurements made of every policy and baseline.
@@ -81,6 +81,9 @@ pub struct PolicyEntry {
     pub row: String,
     /// Column of the table.
     pub column: String,
+    /// Seeds that this policy is trained with, for trainings too long for all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub training_seeds: Option<Vec<u64>>,
     /// Training configuration over the shared one.
     #[serde(default)]
     pub train: toml::Table,
@@ -107,7 +110,7 @@ impl Experiment {
         if experiment.measure.is_empty() {
             return Err(Failure("measure: expected at least one measurement".into()));
         }
-        if !experiment.policies.is_empty() && experiment.training_seeds.is_empty() {
+        if experiment.policies.iter().any(|entry| experiment.seeds(entry).is_empty()) {
             return Err(Failure(
                 "training_seeds: expected at least one seed for the policies".into(),
             ));
@@ -121,6 +124,11 @@ impl Experiment {
             experiment.train_config(entry, 0)?;
         }
         Ok(experiment)
+    }
+
+    /// The seeds that a policy is trained with.
+    pub fn seeds<'a>(&'a self, entry: &'a PolicyEntry) -> &'a [u64] {
+        entry.training_seeds.as_deref().unwrap_or(&self.training_seeds)
     }
 
     /// The whole training configuration of a policy for a seed.

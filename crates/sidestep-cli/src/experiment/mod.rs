@@ -22,7 +22,7 @@ use sidestep::suite::Suite;
 use sidestep_train::Trainer;
 
 use crate::Global;
-use crate::bench::measure::{EveryIterate, Exact, TaskSet, every_iterate, plans};
+use crate::bench::measure::{EveryIterate, Exact, TaskSet, every_iterate, plans, us_per_iteration};
 use crate::bench::{exact_answers, statistics::mean};
 use crate::failure::Failure;
 use crate::input::read_text;
@@ -32,6 +32,9 @@ use crate::planning::{load_policy, planner};
 use crate::table;
 use config::{Experiment, Measure, PolicyEntry};
 use report::{Cell, ExperimentReport, FORMAT};
+
+/// Tasks of each set on which iterations are timed.
+const TIMED: usize = 50;
 
 /// Arguments of `experiment`.
 #[derive(Args)]
@@ -90,9 +93,8 @@ fn train_all(
     folder: &Path,
     quiet: bool,
 ) -> Result<Vec<Vec<Trained>>, Failure> {
-    let jobs: Vec<(usize, u64)> = (0..experiment.policies.len())
-        .flat_map(|entry| experiment.training_seeds.iter().map(move |&seed| (entry, seed)))
-        .collect();
+    let seeds = |(index, entry)| experiment.seeds(entry).iter().map(move |&seed| (index, seed));
+    let jobs: Vec<(usize, u64)> = experiment.policies.iter().enumerate().flat_map(seeds).collect();
     let bar = output::progress("training", jobs.len() as u64, quiet);
     let mut trained: Vec<(usize, Trained)> = jobs
         .into_par_iter()
@@ -200,7 +202,6 @@ fn push(cell: &mut Cell, every: &EveryIterate, sets: &[TaskSet]) {
     cell.certified.push(every.certified as f64 / tasks as f64);
     cell.certified_of_solvable.push(every.certified as f64 / solvable.max(1) as f64);
     cell.iterations.extend(mean(&every.solved_iterations()));
-    cell.us_per_iteration.push(every.us_per_iteration);
 }
 
 fn policy_cell(
@@ -223,6 +224,7 @@ fn policy_cell(
         let method = Method::Learned(policy.clone());
         let every = every_iterate(sets, &method, &options, &hidden)?;
         push(&mut cell, &every, sets);
+        cell.us_per_iteration.extend(us_per_iteration(sets, &method, &options, TIMED)?);
         if measure.suite == "time" {
             cell.time.push(shared_iterations(&every, &options, sets)?);
         }
@@ -273,6 +275,7 @@ fn baseline_cell(
         match &planner {
             Planner::Optimizer(method) => {
                 push(&mut cell, &every_iterate(set, method, options, &hidden)?, set);
+                cell.us_per_iteration.extend(us_per_iteration(set, method, options, TIMED)?);
             }
             _ => {
                 let found = plans(&set[0], &planner, options, &hidden)?;

@@ -43,7 +43,7 @@ pub struct Cell {
     pub certified_of_solvable: Vec<f64>,
     /// Mean index of the first feasible iterate.
     pub iterations: Vec<f64>,
-    /// Mean microseconds per iteration, objective, gradient and checks included, one thread a task.
+    /// Median microseconds per iteration, objective, gradient and checks included, one task after the other on one thread.
     pub us_per_iteration: Vec<f64>,
     /// Seconds of training.
     pub training_seconds: Vec<f64>,
