@@ -251,12 +251,58 @@ pub fn every_iterate(
     options: &Options,
     bar: &ProgressBar,
 ) -> Result<EveryIterate, Failure> {
-    let mut every =
-        EveryIterate { any: 0, end: 0, certified: 0, firsts: Vec::new(), us_per_iteration: 0.0 };
-    let (mut seconds, mut steps) = (0.0, 0);
+    let (runs, us_per_iteration) = all_runs(sets, method, options, false, bar)?;
+    Ok(EveryIterate::of(&runs, options.starts, us_per_iteration))
+}
+
+/// The figures that the first 1, 5, .. (`counts`) starts would give alone, each start broken off once it can change none
+/// of them; so there is no end state, and `end` counts nothing.
+pub fn race(
+    sets: &[TaskSet],
+    method: &Method,
+    options: &Options,
+    counts: &[usize],
+) -> Result<Vec<EveryIterate>, Failure> {
+    let most = counts.iter().copied().max().unwrap_or(1);
+    let options = Options { starts: most, ..options.clone() };
+    let (runs, us_per_iteration) =
+        all_runs(sets, method, &options, true, &ProgressBar::hidden())?;
+    let of = |&count: &usize| {
+        let every = EveryIterate::of(&runs, count, us_per_iteration);
+        EveryIterate { end: 0, ..every }
+    };
+    Ok(counts.iter().map(of).collect())
+}
+
+impl EveryIterate {
+    /// What the first `starts` runs of each task say.
+    fn of(runs: &[Vec<Run>], starts: usize, us_per_iteration: f64) -> Self {
+        let mut every =
+            Self { any: 0, end: 0, certified: 0, firsts: Vec::new(), us_per_iteration };
+        for runs in runs {
+            let runs = &runs[..starts.min(runs.len())];
+            let first = runs.iter().filter_map(|run| run.first_feasible).min();
+            every.any += usize::from(first.is_some());
+            every.end += usize::from(runs.iter().any(|run| run.feasible_at_end));
+            every.certified += usize::from(runs.iter().any(|run| run.first_certified.is_some()));
+            every.firsts.push(first);
+        }
+        every
+    }
+}
+
+/// The runs of every task, and the microseconds of an iteration.
+fn all_runs(
+    sets: &[TaskSet],
+    method: &Method,
+    options: &Options,
+    race: bool,
+    bar: &ProgressBar,
+) -> Result<(Vec<Vec<Run>>, f64), Failure> {
+    let (mut all, mut seconds, mut steps) = (Vec::new(), 0.0, 0);
     for set in sets {
         let run_one = |scene: &Arc<Scene>, index: usize, task: &Task| {
-            let outcome = all_starts(scene, task, index as u64, method, options);
+            let outcome = all_starts(scene, task, index as u64, method, options, race);
             bar.inc(1);
             outcome
         };
@@ -264,24 +310,21 @@ pub fn every_iterate(
         for (runs, spent) in runs {
             seconds += spent;
             steps += runs.iter().map(|run| run.steps).sum::<usize>();
-            let first = runs.iter().filter_map(|run| run.first_feasible).min();
-            every.any += usize::from(first.is_some());
-            every.end += usize::from(runs.iter().any(|run| run.feasible_at_end));
-            every.certified += usize::from(runs.iter().any(|run| run.first_certified.is_some()));
-            every.firsts.push(first);
+            all.push(runs);
         }
     }
-    every.us_per_iteration = seconds * 1e6 / steps.max(1) as f64;
-    Ok(every)
+    Ok((all, seconds * 1e6 / steps.max(1) as f64))
 }
 
-/// Runs every start to the end, and the seconds that the iterations took.
+/// Runs every start, and the seconds that the iterations took. In a race a run ends where it is certified, or where no
+/// later iterate could be the first of all starts.
 fn all_starts(
     scene: &Arc<Scene>,
     task: &Task,
     index: u64,
     method: &Method,
     options: &Options,
+    race: bool,
 ) -> Result<(Vec<Run>, f64), InvalidInput> {
     let waypoints = options.waypoints.unwrap_or(options.profile.waypoints);
     let mut objective = Objective::new(task, scene.clone(), waypoints)?;
@@ -297,10 +340,16 @@ fn all_starts(
         }
         let rng = stream(options.seed, Purpose::Planner, index, start as u64);
         let mut optimizer = Optimizer::new(method, task, &objective, rng)?;
+        let first = |pick: fn(&Run) -> Option<usize>| runs.iter().filter_map(pick).min();
+        let steps = match (first(|run| run.first_feasible), first(|run| run.first_certified)) {
+            (Some(feasible), Some(_)) if race => options.steps.min(feasible),
+            _ => options.steps,
+        };
         let begin = Instant::now();
-        runs.push(run(&mut objective, &mut optimizer, &mut x, options.steps, Until::Spent, |_| {
-            ControlFlow::Continue(())
-        }));
+        let found = run(&mut objective, &mut optimizer, &mut x, steps, Until::Spent, |seen| {
+            if race && seen.solved { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        runs.push(found);
         seconds += begin.elapsed().as_secs_f64();
     }
     Ok((runs, seconds))
