@@ -13,7 +13,7 @@ use sidestep::run::{Until, run};
 use sidestep::suite::Suite;
 use sidestep_train::{TrainConfig, Trainer};
 
-/// Seconds of work at most: 6 environments, 4 updates, 2 epochs of cloning, and every kind of state.
+/// Seconds of work at most: 2 epochs of cloning, 3 rounds of DAgger, 4 updates with repair, and every kind of state.
 const SMALL: &str = r#"
     seed = 5
     environment_steps = 190
@@ -24,6 +24,8 @@ const SMALL: &str = r#"
     cloning = { epochs = 2, samples_per_task = 12 }
     ppo = { environments = 6, steps = 8, minibatch = 20, epochs = 3, initial_log_std = -1.0, schedule = "cosine" }
     validation = { count = 12, every = 2, steps = 30 }
+    dagger = { rounds = 3, expert = "shortest-path", rollouts = 8, steps = 6, capacity = 60, minibatches = 7, minibatch = 16 }
+    repair = { expert = "shortest-path", after = 3 }
 "#;
 
 fn trainer(text: &str) -> Trainer {
@@ -68,13 +70,35 @@ fn cloning_learns_gradient_descent() {
 }
 
 #[test]
+fn dagger_learns_the_shortest_path_where_cloning_cannot() {
+    // What gradient descent never solves; the policy sees start, goal and obstacles. 10 seeds: see the assertion.
+    let text = |rounds: usize| {
+        format!(
+            r#"
+            environment_steps = 0
+            observation = ["gradient", "trajectory", "ends", "nearest-obstacles:6"]
+            network = {{ hidden = 64, initialization = "orthogonal" }}
+            training = {{ suite = "hard", count = 200, seed = 1000 }}
+            cloning.epochs = 1
+            dagger = {{ rounds = {rounds}, expert = "shortest-path", minibatches = 150, learning_rate = 2e-3 }}
+            validation = {{ suite = "hard", count = 100, steps = 40, every = 10 }}
+            "#
+        )
+    };
+    let success = |rounds| finish(trainer(&text(rounds))).best().unwrap().validation.success();
+    let (cloned, imitated) = (success(0), success(10));
+    assert!(cloned < 0.05, "{cloned}");
+    assert!(imitated > 0.2, "{imitated}");
+}
+
+#[test]
 fn a_checkpoint_after_any_unit_goes_on_to_the_same_bits() {
     let mut uninterrupted = trainer(SMALL);
     let mut states = vec![uninterrupted.checkpoint().unwrap()];
     while uninterrupted.step().unwrap().is_some() {
         states.push(uninterrupted.checkpoint().unwrap());
     }
-    assert_eq!(uninterrupted.units(), (6, 6));
+    assert_eq!(uninterrupted.units(), (9, 9));
     let last = states.last().unwrap();
     for state in &states {
         let resumed = Trainer::resume(state).unwrap();
@@ -139,6 +163,8 @@ fn damaged_checkpoints_are_refused_in_words() {
     check(&replaced("\\\"hidden\\\":24", "\\\"hidden\\\":25"), "F32 [24, 71]");
     check(&replaced("\\\"clip\\\":0.2", "\\\"clip\\\":9.2"), "checkpoint.ppo.clip: 9.2");
     check(&replaced("\\\"updates\\\":0", "\\\"updates\\\":9"), "checkpoint.updates: 9");
+    check(&replaced("\\\"rounds\\\":0", "\\\"rounds\\\":2"), "checkpoint.rounds: 2");
+    check(&replaced("\\\"states\\\":0", "\\\"states\\\":7"), "checkpoint.states: 7");
     check(&replaced("\\\"task\\\":0", "\\\"task\\\":9"), "a number below 8");
 }
 

@@ -28,6 +28,14 @@ pub enum ObservationPart {
         /// Most obstacles that a task may have.
         count: usize,
     },
+    /// The same for the obstacles nearest to the straight line from start to goal, nearest first: an order that means
+    /// something. Obstacles beyond `count` are not seen, so there may be any number.
+    NearestObstacles {
+        /// How many are seen.
+        count: usize,
+    },
+    /// Start and goal in normalised units: 4 numbers.
+    Ends,
 }
 
 /// Most earlier gradients that an observation may hold.
@@ -36,7 +44,8 @@ const MAX_PREVIOUS: usize = 64;
 const MAX_OBSTACLES: usize = 4096;
 
 impl ObservationPart {
-    /// The part's name: `gradient`, `obstacle-cost`, `previous-gradients:K`, `trajectory`, `obstacles:K`.
+    /// The part's name: `gradient`, `obstacle-cost`, `previous-gradients:K`, `trajectory`, `obstacles:K`,
+    /// `nearest-obstacles:K`, `ends`.
     pub fn name(&self) -> String {
         match self {
             Self::Gradient => "gradient".into(),
@@ -44,6 +53,8 @@ impl ObservationPart {
             Self::PreviousGradients { count } => format!("previous-gradients:{count}"),
             Self::Trajectory => "trajectory".into(),
             Self::Obstacles { count } => format!("obstacles:{count}"),
+            Self::NearestObstacles { count } => format!("nearest-obstacles:{count}"),
+            Self::Ends => "ends".into(),
         }
     }
 
@@ -67,12 +78,18 @@ impl ObservationPart {
             ("gradient", None) => Ok(Self::Gradient),
             ("obstacle-cost", None) => Ok(Self::ObstacleCost),
             ("trajectory", None) => Ok(Self::Trajectory),
+            ("ends", None) => Ok(Self::Ends),
             ("previous-gradients", _) => {
                 Ok(Self::PreviousGradients { count: count(MAX_PREVIOUS)? })
             }
             ("obstacles", _) => Ok(Self::Obstacles { count: count(MAX_OBSTACLES)? }),
+            ("nearest-obstacles", _) => {
+                Ok(Self::NearestObstacles { count: count(MAX_OBSTACLES)? })
+            }
             _ => Err(refuse(
-                "gradient, obstacle-cost, previous-gradients:K, trajectory or obstacles:K".into(),
+                "gradient, obstacle-cost, previous-gradients:K, trajectory, ends, obstacles:K or \
+                 nearest-obstacles:K"
+                    .into(),
             )),
         }
     }
@@ -83,7 +100,8 @@ impl ObservationPart {
             Self::Gradient | Self::Trajectory => 2 * waypoints,
             Self::ObstacleCost => waypoints + 1,
             Self::PreviousGradients { count } => count * 2 * waypoints,
-            Self::Obstacles { count } => 4 * count,
+            Self::Obstacles { count } | Self::NearestObstacles { count } => 4 * count,
+            Self::Ends => 4,
         }
     }
 
@@ -118,8 +136,9 @@ pub struct Encoder {
     parts: Vec<ObservationPart>,
     /// Earlier gradients, newest first: `[count x N x 2]`.
     previous: Vec<f32>,
-    /// The obstacles part, which does not change during a task.
+    /// The obstacles parts, which do not change during a task.
     obstacles: Vec<f32>,
+    nearest: Vec<f32>,
 }
 
 impl Encoder {
@@ -134,7 +153,7 @@ impl Encoder {
     ) -> Result<Self, InvalidInput> {
         observation_len(parts, objective.waypoints())?;
         let mut encoder =
-            Self { parts: parts.to_vec(), previous: Vec::new(), obstacles: Vec::new() };
+            Self { parts: parts.to_vec(), previous: vec![], obstacles: vec![], nearest: vec![] };
         for part in parts {
             match *part {
                 ObservationPart::PreviousGradients { count } => {
@@ -142,6 +161,9 @@ impl Encoder {
                 }
                 ObservationPart::Obstacles { count } => {
                     encoder.obstacles = obstacle_boxes(world, objective, count)?;
+                }
+                ObservationPart::NearestObstacles { count } => {
+                    encoder.nearest = nearest_boxes(world, objective, count)?;
                 }
                 _ => {}
             }
@@ -200,6 +222,11 @@ impl Encoder {
                     self.previous[..gradient.len()].copy_from_slice(gradient);
                 }
                 ObservationPart::Obstacles { .. } => part_out.copy_from_slice(&self.obstacles),
+                ObservationPart::NearestObstacles { .. } => part_out.copy_from_slice(&self.nearest),
+                ObservationPart::Ends => {
+                    part_out[..2].copy_from_slice(&objective.start());
+                    part_out[2..].copy_from_slice(&objective.goal());
+                }
             }
         }
     }
@@ -220,16 +247,46 @@ fn obstacle_boxes(
             format!("at most {count} shapes, as the policy's observation obstacles:{count} holds"),
         ));
     }
-    let frame = objective.scene().frame();
     let mut out = vec![0.0; 4 * count];
-    for (obstacle, out) in obstacles.iter().map(Obstacle::bounding_box).zip(out.chunks_mut(4)) {
-        let (min, max) = (frame.to_normalised(obstacle.min), frame.to_normalised(obstacle.max));
-        out.copy_from_slice(&[
-            0.5 * (min[0] + max[0]),
-            0.5 * (min[1] + max[1]),
-            max[0] - min[0],
-            max[1] - min[1],
-        ]);
+    for (obstacle, out) in obstacles.iter().zip(out.chunks_mut(4)) {
+        out.copy_from_slice(&centre_and_size(obstacle, objective));
     }
     Ok(out)
+}
+
+/// `[count x 4]`, the boxes nearest to the straight line from start to goal; ties keep the world's order.
+fn nearest_boxes(
+    world: &World,
+    objective: &Objective,
+    count: usize,
+) -> Result<Vec<f32>, InvalidInput> {
+    if world.grid().is_some() {
+        return Err(InvalidInput::new(
+            "task.grid",
+            "an occupancy grid",
+            format!("shapes only, for the policy's observation nearest-obstacles:{count}"),
+        ));
+    }
+    let mut boxes: Vec<[f32; 4]> =
+        world.obstacles().iter().map(|obstacle| centre_and_size(obstacle, objective)).collect();
+    let (start, goal) = (objective.start(), objective.goal());
+    let along = [goal[0] - start[0], goal[1] - start[1]];
+    let square = along[0] * along[0] + along[1] * along[1];
+    // From the box's centre to the segment; the size is left out, which keeps the order smooth in it.
+    let from_line = |[x, y, ..]: &[f32; 4]| {
+        let offset = [x - start[0], y - start[1]];
+        let t = (offset[0] * along[0] + offset[1] * along[1]) / square.max(f32::MIN_POSITIVE);
+        let t = t.clamp(0.0, 1.0);
+        (offset[0] - t * along[0]).hypot(offset[1] - t * along[1])
+    };
+    boxes.sort_by(|a, b| from_line(a).total_cmp(&from_line(b)));
+    boxes.resize(count, [0.0; 4]);
+    Ok(boxes.into_iter().flatten().collect())
+}
+
+/// Centre and size of an obstacle's bounding box, normalised units.
+fn centre_and_size(obstacle: &Obstacle, objective: &Objective) -> [f32; 4] {
+    let (frame, bounds) = (objective.scene().frame(), obstacle.bounding_box());
+    let (min, max) = (frame.to_normalised(bounds.min), frame.to_normalised(bounds.max));
+    [0.5 * (min[0] + max[0]), 0.5 * (min[1] + max[1]), max[0] - min[0], max[1] - min[1]]
 }

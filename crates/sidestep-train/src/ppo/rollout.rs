@@ -7,7 +7,7 @@ use super::loss::Minibatch;
 use super::{PpoConfig, UpdateMetrics};
 use crate::advantage::{Steps, generalised_advantages};
 use crate::agent::Agent;
-use crate::environment::{Environment, Problem, Rules};
+use crate::environment::{Environment, Problem, Rules, Stuck};
 use crate::gaussian::{self, Density};
 
 /// One environment's steps of one update; each slice has one entry (or row) per step, in order.
@@ -23,6 +23,8 @@ pub struct Rollout {
     returns: Vec<f32>,
     /// Of each episode that ended: its steps, and whether it was solved.
     episodes: Vec<(u32, bool)>,
+    /// Where episodes were that the time limit cut off.
+    stuck: Vec<Stuck>,
 }
 
 /// Environments that one thread runs together; the results do not depend on it.
@@ -60,6 +62,7 @@ pub fn collect(
                 let outcome = env.step(&action, rules);
                 let mut reward = outcome.reward;
                 if outcome.truncated {
+                    rollout.stuck.push(env.stuck());
                     // The rest of an episode that was cut off is worth what the value network says.
                     agent.value.forward_batch(env.observation(), &mut alone);
                     reward += config.gamma * alone.output(0)[0];
@@ -92,6 +95,12 @@ impl Rollout {
         }
         self.dones.clear();
         self.episodes.clear();
+        self.stuck.clear();
+    }
+
+    /// Where episodes were that the time limit cut off.
+    pub fn stuck(&self) -> &[Stuck] {
+        &self.stuck
     }
 
     fn estimate(&mut self, last_value: f32, config: &PpoConfig) {
