@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
-use sidestep::policy::{network_tensors, read_network};
+use sidestep::policy::{network_tensors, parameter_tensors, read_network, read_parameters};
 use sidestep::tensors::{self, Reader, Tensor};
 
 use crate::config::TrainConfig;
@@ -81,10 +81,10 @@ impl Trainer {
             }),
             curve: self.curve.clone(),
         };
-        let mut tensors = network_tensors(&self.agent.policy, "policy.");
+        let mut tensors = parameter_tensors(&self.agent.policy, "policy.");
         tensors.extend(network_tensors(&self.agent.value, "value."));
         if let Some(best) = &self.best {
-            tensors.extend(network_tensors(&best.network, "best."));
+            tensors.extend(parameter_tensors(&best.network, "best."));
         }
         tensors.push(vector("log_std", &self.agent.log_std));
         let [first, second] = self.optimizer.moments();
@@ -134,7 +134,11 @@ impl Trainer {
         trainer.states = read_states(&mut reader, document.states, &trainer.problems)?;
         let policy_sizes = trainer.agent.policy.sizes().to_vec();
         let value_sizes = trainer.agent.value.sizes().to_vec();
-        trainer.agent.policy = read_network(&mut reader, &policy_sizes, "policy.")?;
+        let (parts, waypoints) = (trainer.setup.parts.clone(), trainer.setup.profile.waypoints);
+        let mut read_policy =
+            |prefix: &str| read_parameters(&mut reader, &parts, waypoints, &policy_sizes, prefix);
+        trainer.agent.policy = read_policy("policy.")?;
+        let best_network = document.best.as_ref().map(|_| read_policy("best.")).transpose()?;
         trainer.agent.value = read_network(&mut reader, &value_sizes, "value.")?;
         trainer.agent.log_std = reader.tensor("log_std", &[trainer.agent.actions()])?;
         let count = trainer.agent.parameter_count();
@@ -142,8 +146,8 @@ impl Trainer {
             [reader.tensor("optimizer.0", &[count])?, reader.tensor("optimizer.1", &[count])?];
         let kind = trainer.stage_optimizer();
         trainer.optimizer = Optimizer::resumed(kind, document.optimizer_steps, moments);
-        if let Some(BestCard { validation, environment_steps }) = document.best {
-            let network = read_network(&mut reader, &policy_sizes, "best.")?;
+        let best = document.best.zip(best_network);
+        if let Some((BestCard { validation, environment_steps }, network)) = best {
             trainer.best = Some(Best { network, validation, environment_steps });
         }
         let problems = &trainer.problems;

@@ -9,7 +9,7 @@ use sidestep::policy::{Policy, PolicyCard};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::suite::Suite;
-use sidestep::{InvalidInput, Task, network::Mlp};
+use sidestep::{InvalidInput, Task, network::Network};
 
 use crate::agent::Agent;
 use crate::cloning::{self, Samples};
@@ -62,7 +62,7 @@ pub struct Progress {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Best {
     /// Its network.
-    pub network: Mlp,
+    pub network: Network,
     /// Its result.
     pub validation: Validation,
     /// Environment steps that made it.
@@ -108,10 +108,10 @@ impl Trainer {
         let tasks = tasks(setup.training, training.count, training.seed);
         let problems = problems(&tasks)?;
         let experts = Experts::new(tasks, config.expert.clone(), setup.rules.action, config.seed);
-        let (hidden, actions) = (config.network.hidden, 2 * setup.profile.waypoints);
+        let (waypoints, hidden) = (setup.profile.waypoints, config.network.hidden);
         let (initialization, log_std) = (config.network.initialization, config.ppo.initial_log_std);
-        let (wide, seed) = (setup.observation, config.seed);
-        let agent = Agent::new(wide, hidden, actions, initialization, log_std, seed)?;
+        let (parts, seed) = (&setup.parts, config.seed);
+        let agent = Agent::seeing(parts, waypoints, hidden, initialization, log_std, seed)?;
         let environment = |index| Environment::new(index, &problems, config.seed);
         let mut trainer = Self {
             environments: (0..config.ppo.environments).map(environment).collect(),
@@ -345,7 +345,7 @@ impl Trainer {
         Err(InvalidInput::new(format!("{field}.learning_rate"), rate, allowed))
     }
 
-    fn card(&self, network: &Mlp, environment_steps: u64) -> Result<Policy, InvalidInput> {
+    fn card(&self, network: &Network, environment_steps: u64) -> Result<Policy, InvalidInput> {
         let config = &self.setup.config;
         let point = |progress: &Progress| {
             let result = progress.validation?;

@@ -265,8 +265,7 @@ pub fn race(
 ) -> Result<Vec<EveryIterate>, Failure> {
     let most = counts.iter().copied().max().unwrap_or(1);
     let options = Options { starts: most, ..options.clone() };
-    let (runs, us_per_iteration) =
-        all_runs(sets, method, &options, true, &ProgressBar::hidden())?;
+    let (runs, us_per_iteration) = all_runs(sets, method, &options, true, &ProgressBar::hidden())?;
     let of = |&count: &usize| {
         let every = EveryIterate::of(&runs, count, us_per_iteration);
         EveryIterate { end: 0, ..every }
@@ -277,8 +276,7 @@ pub fn race(
 impl EveryIterate {
     /// What the first `starts` runs of each task say.
     fn of(runs: &[Vec<Run>], starts: usize, us_per_iteration: f64) -> Self {
-        let mut every =
-            Self { any: 0, end: 0, certified: 0, firsts: Vec::new(), us_per_iteration };
+        let mut every = Self { any: 0, end: 0, certified: 0, firsts: Vec::new(), us_per_iteration };
         for runs in runs {
             let runs = &runs[..starts.min(runs.len())];
             let first = runs.iter().filter_map(|run| run.first_feasible).min();

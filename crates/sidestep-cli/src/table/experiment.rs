@@ -100,7 +100,10 @@ fn measures_grid(report: &ExperimentReport) -> Vec<Vec<String>> {
     };
     let names: Vec<&str> = report.experiment.measure.iter().map(|m| m.name.as_str()).collect();
     let mut lines: Vec<Vec<String>> = vec![
-        std::iter::once("any-step success %").chain(names.iter().copied()).map(String::from).collect(),
+        std::iter::once("any-step success %")
+            .chain(names.iter().copied())
+            .map(String::from)
+            .collect(),
     ];
     let mut rows: Vec<String> = Vec::new();
     for cell in &report.cells {

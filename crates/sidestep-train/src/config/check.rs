@@ -23,7 +23,6 @@ pub(crate) struct Setup {
     pub config: TrainConfig,
     pub profile: Profile,
     pub parts: Vec<ObservationPart>,
-    pub observation: usize,
     pub training: Suite,
     pub validation: Suite,
     pub starts: StartStrategy,
@@ -82,17 +81,7 @@ impl Setup {
             feasible_bonus: environment.feasible_bonus,
             episode_limit: environment.episode_limit,
         };
-        Ok(Self {
-            config,
-            profile,
-            parts,
-            observation,
-            training,
-            validation,
-            starts,
-            dagger_starts,
-            rules,
-        })
+        Ok(Self { config, profile, parts, training, validation, starts, dagger_starts, rules })
     }
 }
 
@@ -199,6 +188,9 @@ fn check_sizes(config: &TrainConfig, observation: usize) -> Result<(), InvalidIn
         }
     };
     check("ppo.steps", ppo.environments.checked_mul(ppo.steps), "environments x steps")?;
+    if cloning.epochs == 0 {
+        return Ok(());
+    }
     let samples = training.count.checked_mul(cloning.samples_per_task);
     check("cloning.samples_per_task", samples, "training.count x samples_per_task")
 }

@@ -102,21 +102,14 @@ pub struct Surroundings<'a> {
 }
 
 /// Rolls in for round `round` (from 0) and returns the states met, with the expert's answers.
-pub fn collect(
-    agent: &Agent,
-    around: Surroundings,
-    config: &DaggerConfig,
-    round: u64,
-) -> States {
+pub fn collect(agent: &Agent, around: Surroundings, config: &DaggerConfig, round: u64) -> States {
     let one = |scratch: &mut Scratch, rollout: usize| {
         let task = (round as usize * config.rollouts + rollout) % around.problems.len();
         let rng = stream(around.seed, Purpose::Dagger, round, rollout as u64);
         roll_in(agent, around, config, round, task, rng, scratch)
     };
-    let met: Vec<States> = (0..config.rollouts)
-        .into_par_iter()
-        .map_init(Scratch::default, one)
-        .collect();
+    let met: Vec<States> =
+        (0..config.rollouts).into_par_iter().map_init(Scratch::default, one).collect();
     let mut all = States::default();
     for states in met {
         all.append(states, usize::MAX);

@@ -34,6 +34,8 @@ pub enum RepairBy {
     TunedGradientDescent,
     /// [`ExpertKind::ShortestPath`].
     ShortestPath,
+    /// [`ExpertKind::GuidedDescent`].
+    GuidedDescent,
 }
 
 impl RepairBy {
@@ -44,6 +46,7 @@ impl RepairBy {
             Self::GradientDescent => Some(ExpertKind::GradientDescent),
             Self::TunedGradientDescent => Some(ExpertKind::TunedGradientDescent),
             Self::ShortestPath => Some(ExpertKind::ShortestPath),
+            Self::GuidedDescent => Some(ExpertKind::GuidedDescent),
         }
     }
 }

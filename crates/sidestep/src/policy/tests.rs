@@ -26,9 +26,9 @@ fn policy() -> Policy {
     Policy::new(card(&["gradient", "obstacle-cost"], 10), network).unwrap()
 }
 
-fn mlp(policy: &Policy) -> &Mlp {
+fn mlp(policy: &Policy) -> &Network {
     match policy.network() {
-        PolicyNetwork::Mlp { network, .. } => network,
+        PolicyNetwork::Whole { network, .. } => network,
         PolicyNetwork::Waypoint { .. } => unreachable!("made as an mlp"),
     }
 }
@@ -38,7 +38,7 @@ fn changed(change: impl FnOnce(&mut serde_json::Value)) -> Vec<u8> {
     let policy = policy();
     let mut document = serde_json::to_value(policy.card()).unwrap();
     change(&mut document);
-    tensors::write(&document, &network_tensors(mlp(&policy), "")).unwrap()
+    tensors::write(&document, &parameter_tensors(mlp(&policy), "")).unwrap()
 }
 
 #[test]
