@@ -347,15 +347,17 @@ impl Trainer {
 
     fn card(&self, network: &Network, environment_steps: u64) -> Result<Policy, InvalidInput> {
         let config = &self.setup.config;
-        let point = |progress: &Progress| {
+        let point = |(index, progress): (usize, &Progress)| {
             let result = progress.validation?;
             Some(json!({
+                "unit": index + 1,
+                "stage": progress.stage,
                 "environment_steps": progress.environment_steps,
                 "success": result.success(),
                 "mean_iterations": result.mean_iterations,
             }))
         };
-        let curve: Vec<_> = self.curve.iter().filter_map(point).collect();
+        let curve: Vec<_> = self.curve.iter().enumerate().filter_map(point).collect();
         let card = PolicyCard {
             format: String::new(),
             architecture: String::new(),

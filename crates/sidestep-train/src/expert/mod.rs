@@ -1,9 +1,7 @@
 //! Experts: what a policy that is being trained should have answered.
 //!
 //! - gradient descent, -γ ∂U with the profile's step (what the paper cloned) or with a tuned one;
-//! - the exact shortest path: an update towards the nearest of several routes ([`routes`]);
-//! - both at once: tuned gradient descent on U plus a spring to that route. What imitates it need not know the route to the
-//!   pixel, because the gradient corrects what remains.
+//! - the exact shortest path: an update towards the nearest of several routes ([`routes`]).
 //!
 //! The expert answers at any trajectory, not only along its own: that is what DAgger ([`crate::dagger`]) and the repair of
 //! failed episodes ([`crate::ppo::repair`]) ask of it.
@@ -30,8 +28,6 @@ pub enum ExpertKind {
     TunedGradientDescent,
     /// The exact shortest path and its alternatives.
     ShortestPath,
-    /// The sum of the two before: tuned gradient descent, drawn to the nearest route.
-    GuidedDescent,
 }
 
 /// Settings of the experts.
@@ -40,7 +36,7 @@ pub enum ExpertKind {
 pub struct ExpertConfig {
     /// Step γ of the tuned gradient descent; 0.5 is the best on validation tasks in the paper's profile.
     pub step: f32,
-    /// Share of the way to its route that an expert with routes goes in one update, before the action's limit.
+    /// Share of the way to its route that the shortest-path expert goes in one update, before the action's limit.
     pub rate: f32,
     /// Alternative routes that the shortest-path expert looks for.
     pub alternatives: usize,
@@ -83,21 +79,20 @@ impl Experts {
     ) -> bool {
         let step = match kind {
             ExpertKind::GradientDescent => problem.objective.scene().profile().gradient_step as f32,
-            ExpertKind::TunedGradientDescent | ExpertKind::GuidedDescent => self.config.step,
-            ExpertKind::ShortestPath => 0.0,
+            ExpertKind::TunedGradientDescent => self.config.step,
+            ExpertKind::ShortestPath => {
+                let Some(target) = routes::nearest(self.routes(index, problem), x) else {
+                    return false;
+                };
+                for ((answer, x), target) in answer.iter_mut().zip(x).zip(target) {
+                    *answer = self.output(self.config.rate * (target - x));
+                }
+                return true;
+            }
         };
         for (answer, gradient) in answer.iter_mut().zip(gradient) {
-            *answer = -step * gradient;
+            *answer = self.output(-step * gradient);
         }
-        if matches!(kind, ExpertKind::ShortestPath | ExpertKind::GuidedDescent) {
-            let Some(target) = routes::nearest(self.routes(index, problem), x) else {
-                return false;
-            };
-            for ((answer, x), target) in answer.iter_mut().zip(x).zip(target) {
-                *answer += self.config.rate * (target - x);
-            }
-        }
-        answer.iter_mut().for_each(|answer| *answer = self.output(*answer));
         true
     }
 
@@ -160,8 +155,6 @@ mod tests {
             assert!(answered >= 54, "{answered} of 60 hard tasks have a path");
             assert!(solved + 1 >= answered, "{solved} of {answered}");
         }
-        let (guided, answered) = solved(ExpertKind::GuidedDescent, Suite::Hard, &Profile::PAPER);
-        assert!(guided + 4 >= answered, "{guided} of {answered}");
         let (hard, _) = solved(ExpertKind::GradientDescent, Suite::Hard, &Profile::PAPER);
         assert_eq!(hard, 0);
         let (easy, answered) =

@@ -34,8 +34,6 @@ pub enum RepairBy {
     TunedGradientDescent,
     /// [`ExpertKind::ShortestPath`].
     ShortestPath,
-    /// [`ExpertKind::GuidedDescent`].
-    GuidedDescent,
 }
 
 impl RepairBy {
@@ -46,7 +44,6 @@ impl RepairBy {
             Self::GradientDescent => Some(ExpertKind::GradientDescent),
             Self::TunedGradientDescent => Some(ExpertKind::TunedGradientDescent),
             Self::ShortestPath => Some(ExpertKind::ShortestPath),
-            Self::GuidedDescent => Some(ExpertKind::GuidedDescent),
         }
     }
 }
