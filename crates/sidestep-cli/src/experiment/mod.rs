@@ -15,7 +15,7 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 use sidestep::optimizer::Method;
 use sidestep::plan::{Options, Planner};
-use sidestep::policy::Policy;
+use sidestep::policy::{Policy, PolicyCard};
 use sidestep::profile::Profile;
 use sidestep::starts::StartStrategy;
 use sidestep::suite::Suite;
@@ -211,6 +211,7 @@ fn blank(row: &str, column: &str, measure: &Measure, paper: Option<f64>) -> Cell
         us_per_iteration: Vec::new(),
         training_seconds: Vec::new(),
         kept_at_steps: Vec::new(),
+        curves: Vec::new(),
         time: Vec::new(),
     }
 }
@@ -257,9 +258,16 @@ fn policy_cells(
             cell.training_seconds.push(*seconds);
             let kept = card.training["environment_steps"].as_u64();
             cell.kept_at_steps.push(kept.unwrap_or_default());
+            cell.curves.push(curve(card));
         }
     }
     Ok(cells)
+}
+
+/// The validations of a policy's training.
+fn curve(card: &PolicyCard) -> Vec<[f64; 2]> {
+    let points = card.training["validation_curve"].as_array().into_iter().flatten();
+    points.filter_map(|p| Some([p["unit"].as_f64()?, p["success"].as_f64()?])).collect()
 }
 
 /// Iterations on the tasks that the policy and gradient descent (0.1) both solve within 100 steps.
