@@ -276,3 +276,6 @@ fn centred_all(objective: &Objective, points: &[f32], out: &mut [f32]) {
         *out = centred(objective, p);
     }
 }
+
+#[cfg(test)]
+mod tests;

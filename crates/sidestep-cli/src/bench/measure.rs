@@ -352,3 +352,28 @@ fn all_starts(
     }
     Ok((runs, seconds))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sidestep::profile::Profile;
+    use sidestep::suite::Suite;
+
+    #[test]
+    fn a_race_finds_what_running_every_start_to_the_end_finds() {
+        let tasks = Suite::Mix.generate(40, 7, &Profile::PAPER);
+        let exact = vec![Exact::Undecided; tasks.len()];
+        let sets = [TaskSet { label: "seed 7".into(), tasks, exact }];
+        let method = Method::GradientDescent { step: Some(0.5) };
+        let options = Options { profile: Profile::PAPER, steps: 60, ..Options::default() };
+        let counts = [1, 3, 6];
+        let raced = race(&sets, &method, &options, &counts).unwrap();
+        for (starts, raced) in counts.into_iter().zip(raced) {
+            let options = Options { starts, ..options.clone() };
+            let every = every_iterate(&sets, &method, &options, &ProgressBar::hidden()).unwrap();
+            assert_eq!((raced.any, raced.certified), (every.any, every.certified));
+            assert_eq!(raced.firsts, every.firsts);
+            assert_eq!(raced.end, 0);
+        }
+    }
+}
