@@ -261,7 +261,7 @@ pub fn read_parameters(
     };
     // Of zeros, for the names and shapes; its size was checked first.
     let count = Cnn::parameter_count(sizes, image_at)?;
-    let mut network = Network::Cnn(Cnn::new(sizes, image_at, vec![0.0; count])?);
+    let mut network = Network::from(Cnn::new(sizes, image_at, vec![0.0; count])?);
     let mut parameters = Vec::with_capacity(count);
     for (name, shape, _) in network.parts() {
         parameters.extend(reader.tensor(&format!("{prefix}{name}"), &shape)?);

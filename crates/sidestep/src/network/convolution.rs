@@ -159,6 +159,7 @@ impl Convolution {
 
     /// Adds to `gradient` (all flat parameters) that of a loss with `slope` its gradient with respect to `out`; `slope` is
     /// changed. With `image_slope`, which must be zero, also its gradient with respect to the image.
+    #[allow(clippy::too_many_arguments, reason = "like the kernels, flat slices")]
     pub fn backward(
         &self,
         isa: Isa,

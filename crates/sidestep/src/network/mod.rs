@@ -14,7 +14,6 @@ pub use cnn::{Cnn, FEATURES, Part};
 pub use mlp::{MAX_PARAMETERS, Mlp, Scratch};
 pub use waypoint_net::{WaypointNet, WaypointScratch, WaypointShape};
 
-use crate::error::InvalidInput;
 use crate::observation::{ObservationPart, image_place};
 
 /// The network of a policy that sees a whole trajectory: the observation decides which one it takes.
@@ -23,7 +22,7 @@ pub enum Network {
     /// Dense layers.
     Mlp(Mlp),
     /// Convolutions over an image, then dense layers.
-    Cnn(Cnn),
+    Cnn(Box<Cnn>),
 }
 
 impl From<Mlp> for Network {
@@ -34,7 +33,7 @@ impl From<Mlp> for Network {
 
 impl From<Cnn> for Network {
     fn from(cnn: Cnn) -> Self {
-        Self::Cnn(cnn)
+        Self::Cnn(Box::new(cnn))
     }
 }
 
@@ -56,22 +55,6 @@ impl Network {
         sizes.extend_from_slice(hidden);
         sizes.push(outputs);
         sizes
-    }
-
-    /// A network that reads `parts` of so many waypoints from its flat parameters.
-    ///
-    /// # Errors
-    /// If the sizes do not fit the parts, or the number of parameters is not theirs.
-    pub fn new(
-        parts: &[ObservationPart],
-        waypoints: usize,
-        sizes: &[usize],
-        parameters: Vec<f32>,
-    ) -> Result<Self, InvalidInput> {
-        Ok(match image_place(parts, waypoints) {
-            Some(at) => Self::Cnn(Cnn::new(sizes, at, parameters)?),
-            None => Self::Mlp(Mlp::new(sizes, parameters)?),
-        })
     }
 
     /// Name of the architecture, for files.
