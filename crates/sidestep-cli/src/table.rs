@@ -1,5 +1,6 @@
 //! `sidestep table`: a report as Markdown or CSV, the paper's numbers beside where it has them.
 
+mod curves;
 mod experiment;
 
 use std::path::PathBuf;
@@ -21,6 +22,9 @@ pub struct TableArgs {
     /// How to render it
     #[arg(long, value_enum, default_value_t = Format::Markdown)]
     format: Format,
+    /// Also draw the learning curves of an experiment's policies (.svg or .png)
+    #[arg(long)]
+    curves: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -37,6 +41,10 @@ pub fn run(args: &TableArgs) -> Result<(), Failure> {
     let text = match value["format"].as_str() {
         Some(FORMAT) => {
             let report: Report = serde_json::from_value(value).map_err(broken)?;
+            if let Some(path) = &args.curves {
+                let reason = "cannot be drawn: a report of `bench` has no learning curves";
+                return Err(Failure::file(path, reason));
+            }
             match args.format {
                 Format::Markdown => markdown(&report),
                 Format::Csv => csv(&report),
@@ -44,6 +52,9 @@ pub fn run(args: &TableArgs) -> Result<(), Failure> {
         }
         Some(report::FORMAT) => {
             let report: ExperimentReport = serde_json::from_value(value).map_err(broken)?;
+            if let Some(path) = &args.curves {
+                curves::write(&report, path)?;
+            }
             match args.format {
                 Format::Markdown => experiment_markdown(&report),
                 Format::Csv => experiment_csv(&report),

@@ -1,13 +1,15 @@
 //! What training changes: a policy network, a value network and the log-std of the actions; and
 //! the gradient of a loss with respect to all of them, as one flat vector.
 //!
-//! The order in the flat vector is policy, value, log-std. No layer is shared (paper, section II.B).
+//! The order in the flat vector is policy, value, log-std. No dense layer is shared (paper, section II.B); an image's convolutions
+//! are: they belong to the policy, and the value network reads what they make of it (section III.E).
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 use sidestep::InvalidInput;
-use sidestep::network::{Mlp, Scratch};
+use sidestep::network::{Cnn, FEATURES, Mlp, Network, Scratch};
+use sidestep::observation::ObservationPart;
 use sidestep::rng::{Purpose, stream};
 
 use crate::initialization::{Initialization, Role};
@@ -17,8 +19,8 @@ use crate::optimizer::Optimizer;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Agent {
     /// From observation to the mean of the action.
-    pub policy: Mlp,
-    /// From observation to the expected return.
+    pub policy: Network,
+    /// From observation, or from the features of its image, to the expected return.
     pub value: Mlp,
     /// Log-std of each action coordinate, `[actions]`.
     pub log_std: Vec<f32>,
@@ -37,15 +39,58 @@ impl Agent {
         initial_log_std: f32,
         seed: u64,
     ) -> Result<Self, InvalidInput> {
-        let network = |outputs: usize, role: Role, index: u64| {
-            let mut rng = stream(seed, Purpose::Parameters, index, 0);
-            initialization.network(&[observation, hidden, hidden, outputs], role, &mut rng)
-        };
-        Ok(Self {
-            policy: network(actions, Role::Policy, 0)?,
-            value: network(1, Role::Value, 1)?,
-            log_std: vec![initial_log_std; actions],
-        })
+        let mut rng = stream(seed, Purpose::Parameters, 0, 0);
+        let sizes = [observation, hidden, hidden, actions];
+        let policy = initialization.network(&sizes, Role::Policy, &mut rng)?;
+        Self::with_policy(policy.into(), hidden, initialization, initial_log_std, seed)
+    }
+
+    /// A new agent whose policy sees `parts` of so many waypoints; its value network has hidden layers of the same size.
+    ///
+    /// # Errors
+    /// If a size is 0 or too large.
+    pub fn seeing(
+        parts: &[ObservationPart],
+        waypoints: usize,
+        hidden: usize,
+        initialization: Initialization,
+        initial_log_std: f32,
+        seed: u64,
+    ) -> Result<Self, InvalidInput> {
+        let mut rng = stream(seed, Purpose::Parameters, 0, 0);
+        let policy = initialization.policy(parts, waypoints, hidden, &mut rng)?;
+        Self::with_policy(policy, hidden, initialization, initial_log_std, seed)
+    }
+
+    fn with_policy(
+        policy: Network,
+        hidden: usize,
+        initialization: Initialization,
+        initial_log_std: f32,
+        seed: u64,
+    ) -> Result<Self, InvalidInput> {
+        let mut rng = stream(seed, Purpose::Parameters, 1, 0);
+        let sizes = [value_inputs(&policy), hidden, hidden, 1];
+        let value = initialization.network(&sizes, Role::Value, &mut rng)?;
+        Ok(Self { log_std: vec![initial_log_std; policy.outputs()], policy, value })
+    }
+
+    /// The policy's means for `observations [rows x observations]`, left in `policy`, and the values, left in `value`.
+    pub fn evaluate(&self, observations: &[f32], policy: &mut Scratch, value: &mut Scratch) {
+        self.policy.forward_batch(observations, policy);
+        match &self.policy {
+            Network::Mlp(_) => self.value.forward_batch(observations, value),
+            Network::Cnn(_) => self.value.forward_batch(Cnn::features(policy), value),
+        }
+    }
+
+    /// The value of one observation.
+    pub fn value_of(&self, observation: &[f32], policy: &mut Scratch, value: &mut Scratch) -> f32 {
+        match &self.policy {
+            Network::Mlp(_) => self.value.forward_batch(observation, value),
+            Network::Cnn(_) => self.evaluate(observation, policy, value),
+        }
+        value.output(0)[0]
     }
 
     /// Length of the observation.
@@ -86,6 +131,14 @@ impl Agent {
     }
 }
 
+/// Numbers that the value network beside this policy reads.
+fn value_inputs(policy: &Network) -> usize {
+    match policy {
+        Network::Mlp(mlp) => mlp.inputs(),
+        Network::Cnn(_) => FEATURES,
+    }
+}
+
 /// Rows per chunk. A minibatch of up to so many stays on one thread; larger ones are spread over the
 /// threads chunk by chunk and added up in order, so the bits do not depend on the threads.
 pub const CHUNK: usize = 64;
@@ -116,11 +169,22 @@ impl Worker {
     /// was not run (`rows` 0 in its scratch) adds nothing.
     pub fn backward(&mut self, agent: &Agent) {
         let [policy, value, _] = agent.split(&mut self.gradient);
-        if self.policy.rows() > 0 {
-            agent.policy.backward(&self.mean_gradient, &mut self.policy, policy);
-        }
-        if self.value.rows() > 0 {
+        let valued = self.value.rows() > 0;
+        if valued {
             agent.value.backward(&self.value_gradient, &mut self.value, value);
+        }
+        if self.policy.rows() > 0 {
+            let (means, scratch) = (&self.mean_gradient, &mut self.policy);
+            match &agent.policy {
+                Network::Mlp(mlp) => mlp.backward(means, scratch, policy),
+                Network::Cnn(cnn) => {
+                    if valued {
+                        agent.value.input_gradient(&mut self.value);
+                    }
+                    let features = valued.then(|| self.value.input_gradient());
+                    cnn.backward(means, features, scratch, policy);
+                }
+            }
         }
     }
 

@@ -6,11 +6,12 @@
 
 use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
-use sidestep::policy::{network_tensors, read_network};
+use sidestep::policy::{network_tensors, parameter_tensors, read_network, read_parameters};
 use sidestep::tensors::{self, Reader, Tensor};
 
 use crate::config::TrainConfig;
-use crate::environment::Saved;
+use crate::dagger::States;
+use crate::environment::{Problem, Saved};
 use crate::optimizer::Optimizer;
 use crate::trainer::{Best, Progress, Trainer};
 use crate::validation::Validation;
@@ -24,6 +25,11 @@ struct Document {
     format: String,
     config: TrainConfig,
     epochs: u64,
+    #[serde(default)]
+    rounds: u64,
+    /// States in DAgger's aggregate.
+    #[serde(default)]
+    states: usize,
     updates: u64,
     optimizer_steps: u64,
     environments: Vec<Place>,
@@ -64,6 +70,8 @@ impl Trainer {
             format: FORMAT.into(),
             config: self.setup.config.clone(),
             epochs: self.epochs,
+            rounds: self.rounds,
+            states: self.states.len(),
             updates: self.updates,
             optimizer_steps: self.optimizer.steps(),
             environments: saved.iter().map(place).collect(),
@@ -73,15 +81,23 @@ impl Trainer {
             }),
             curve: self.curve.clone(),
         };
-        let mut tensors = network_tensors(&self.agent.policy, "policy.");
+        let mut tensors = parameter_tensors(&self.agent.policy, "policy.");
         tensors.extend(network_tensors(&self.agent.value, "value."));
         if let Some(best) = &self.best {
-            tensors.extend(network_tensors(&best.network, "best."));
+            tensors.extend(parameter_tensors(&best.network, "best."));
         }
         tensors.push(vector("log_std", &self.agent.log_std));
         let [first, second] = self.optimizer.moments();
         tensors.push(vector("optimizer.0", first));
         tensors.push(vector("optimizer.1", second));
+        // Below 2^24, so f32 holds each number of a task.
+        let state_tasks: Vec<f32> = self.states.tasks.iter().map(|&task| task as f32).collect();
+        if !self.states.is_empty() {
+            tensors.push(vector("states.tasks", &state_tasks));
+            tensors.push(vector("states.waypoints", &self.states.waypoints));
+            tensors.push(vector("states.memories", &self.states.memories));
+            tensors.push(vector("states.answers", &self.states.answers));
+        }
         for (index, saved) in saved.iter().enumerate() {
             tensors.push(vector(&format!("environments.{index}.waypoints"), &saved.x));
             tensors.push(vector(&format!("environments.{index}.observation"), &saved.observation));
@@ -99,19 +115,30 @@ impl Trainer {
         let document: Document = reader.document()?;
         let inside = |error: InvalidInput| error.inside("checkpoint");
         let mut trainer = Self::new(document.config).map_err(inside)?;
-        let (epochs, updates) =
-            (trainer.setup.config.cloning.epochs as u64, trainer.setup.config.updates());
+        let config = &trainer.setup.config;
+        let (epochs, rounds) = (config.cloning.epochs as u64, config.dagger.rounds as u64);
+        let (updates, capacity) = (config.updates(), config.dagger.capacity);
+        let (cloned, imitated) = (document.epochs >= epochs, document.rounds >= rounds);
         at_most("epochs", document.epochs, epochs)?;
-        at_most("updates", document.updates, if document.epochs < epochs { 0 } else { updates })?;
+        at_most("rounds", document.rounds, if cloned { rounds } else { 0 })?;
+        at_most("updates", document.updates, if cloned && imitated { updates } else { 0 })?;
+        let aggregating = document.rounds > 0 && !imitated;
+        at_most("states", document.states as u64, if aggregating { capacity as u64 } else { 0 })?;
         let lanes = trainer.environments.len();
         if document.environments.len() != lanes {
             let found = document.environments.len();
             return Err(InvalidInput::new("checkpoint.environments", found, lanes.to_string()));
         }
         (trainer.epochs, trainer.updates) = (document.epochs, document.updates);
+        trainer.rounds = document.rounds;
+        trainer.states = read_states(&mut reader, document.states, &trainer.problems)?;
         let policy_sizes = trainer.agent.policy.sizes().to_vec();
         let value_sizes = trainer.agent.value.sizes().to_vec();
-        trainer.agent.policy = read_network(&mut reader, &policy_sizes, "policy.")?;
+        let (parts, waypoints) = (trainer.setup.parts.clone(), trainer.setup.profile.waypoints);
+        let mut read_policy =
+            |prefix: &str| read_parameters(&mut reader, &parts, waypoints, &policy_sizes, prefix);
+        trainer.agent.policy = read_policy("policy.")?;
+        let best_network = document.best.as_ref().map(|_| read_policy("best.")).transpose()?;
         trainer.agent.value = read_network(&mut reader, &value_sizes, "value.")?;
         trainer.agent.log_std = reader.tensor("log_std", &[trainer.agent.actions()])?;
         let count = trainer.agent.parameter_count();
@@ -119,8 +146,8 @@ impl Trainer {
             [reader.tensor("optimizer.0", &[count])?, reader.tensor("optimizer.1", &[count])?];
         let kind = trainer.stage_optimizer();
         trainer.optimizer = Optimizer::resumed(kind, document.optimizer_steps, moments);
-        if let Some(BestCard { validation, environment_steps }) = document.best {
-            let network = read_network(&mut reader, &policy_sizes, "best.")?;
+        let best = document.best.zip(best_network);
+        if let Some((BestCard { validation, environment_steps }, network)) = best {
             trainer.best = Some(Best { network, validation, environment_steps });
         }
         let problems = &trainer.problems;
@@ -148,6 +175,27 @@ impl Trainer {
         reader.finish()?;
         Ok(trainer)
     }
+}
+
+fn read_states(
+    reader: &mut Reader,
+    count: usize,
+    problems: &[Problem],
+) -> Result<States, InvalidInput> {
+    let Some(first) = problems.first().filter(|_| count > 0) else { return Ok(States::default()) };
+    let tasks = reader.tensor("states.tasks", &[count])?;
+    let known = |task: &f32| *task >= 0.0 && *task < problems.len() as f32 && task.fract() == 0.0;
+    if let Some(unknown) = tasks.iter().find(|task| !known(task)) {
+        let allowed = format!("whole numbers below {}", problems.len());
+        return Err(InvalidInput::new("checkpoint.tensors.states.tasks", unknown, allowed));
+    }
+    let (dim, memory) = (first.objective.dim(), first.encoder.memory().len());
+    Ok(States {
+        tasks: tasks.into_iter().map(|task| task as u32).collect(),
+        waypoints: reader.tensor("states.waypoints", &[count * dim])?,
+        memories: reader.tensor("states.memories", &[count * memory])?,
+        answers: reader.tensor("states.answers", &[count * dim])?,
+    })
 }
 
 fn vector<'a>(name: &str, values: &'a [f32]) -> Tensor<'a> {

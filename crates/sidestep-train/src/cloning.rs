@@ -77,6 +77,20 @@ pub struct Samples {
     pub targets: Vec<f32>,
 }
 
+impl Samples {
+    /// Copies the samples `rows`, in that order, to `batch`.
+    pub fn gather(&self, rows: &[u32], agent: &Agent, batch: &mut Self) {
+        let (wide, acts) = (agent.observations(), agent.actions());
+        batch.observations.clear();
+        batch.targets.clear();
+        for &row in rows {
+            let row = row as usize;
+            batch.observations.extend_from_slice(&self.observations[row * wide..][..wide]);
+            batch.targets.extend_from_slice(&self.targets[row * acts..][..acts]);
+        }
+    }
+}
+
 /// Draws `config.samples_per_task` trajectories for each problem, and what gradient descent would do there.
 ///
 /// Trajectory i of task k has the stream (seed, imitation, k, i).
@@ -121,20 +135,14 @@ pub fn epoch(
     config: &CloningConfig,
     shuffle: &mut ChaCha8Rng,
 ) -> Vec<f64> {
-    let (wide, acts) = (agent.observations(), agent.actions());
+    let acts = agent.actions();
     let mut order: Vec<u32> = (0..(samples.targets.len() / acts) as u32).collect();
     shuffle_in_place(&mut order, shuffle);
     let (mut batch, mut noise, mut gradient) =
         (Samples::default(), Vec::new(), Gradient::default());
     let mut curve = Vec::with_capacity(order.len().div_ceil(config.minibatch));
     for rows in order.chunks(config.minibatch) {
-        batch.observations.clear();
-        batch.targets.clear();
-        for &row in rows {
-            let row = row as usize;
-            batch.observations.extend_from_slice(&samples.observations[row * wide..][..wide]);
-            batch.targets.extend_from_slice(&samples.targets[row * acts..][..acts]);
-        }
+        samples.gather(rows, agent, &mut batch);
         noise.clear();
         if config.prediction == Prediction::Sampled {
             let pairs = (rows.len() * acts).div_ceil(2);

@@ -10,8 +10,10 @@ use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
 
 use crate::cloning::CloningConfig;
+use crate::dagger::DaggerConfig;
+use crate::expert::ExpertConfig;
 use crate::initialization::Initialization;
-use crate::ppo::PpoConfig;
+use crate::ppo::{PpoConfig, RepairConfig};
 
 pub(crate) use check::Setup;
 
@@ -35,8 +37,14 @@ pub struct TrainConfig {
     pub environment: EnvironmentConfig,
     /// Cloning of gradient descent, before PPO.
     pub cloning: CloningConfig,
+    /// Imitation on the policy's own states, after cloning and before PPO.
+    pub dagger: DaggerConfig,
+    /// What DAgger and the repair of episodes imitate.
+    pub expert: ExpertConfig,
     /// PPO.
     pub ppo: PpoConfig,
+    /// Repair of failed episodes by an expert during PPO.
+    pub repair: RepairConfig,
     /// The tasks that choose the best policy.
     pub validation: ValidationConfig,
 }
@@ -108,7 +116,10 @@ impl Default for TrainConfig {
             network: NetworkConfig::default(),
             environment: EnvironmentConfig::default(),
             cloning: CloningConfig::default(),
+            dagger: DaggerConfig::default(),
+            expert: ExpertConfig::default(),
             ppo: PpoConfig::default(),
+            repair: RepairConfig::default(),
             validation: ValidationConfig::default(),
         }
     }

@@ -116,6 +116,17 @@ pub struct Saved {
     pub memory: Vec<f32>,
 }
 
+/// Where an episode got stuck.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stuck {
+    /// Index of its task in the training set.
+    pub task: usize,
+    /// The waypoints, `[N x 2]`.
+    pub x: Vec<f32>,
+    /// What the encoder remembers.
+    pub memory: Vec<f32>,
+}
+
 impl Environment {
     /// Environment `index`, at the start of its first episode.
     pub fn new(index: usize, problems: &[Problem], seed: u64) -> Self {
@@ -143,6 +154,17 @@ impl Environment {
     /// The waypoints now, `[N x 2]`, normalised units.
     pub fn waypoints(&self) -> &[f32] {
         &self.x
+    }
+
+    /// Steps of the episode so far.
+    pub fn age(&self) -> u32 {
+        self.age
+    }
+
+    /// Where the episode is, should it end here.
+    pub fn stuck(&self) -> Stuck {
+        let memory = self.problem.encoder.memory().to_vec();
+        Stuck { task: self.task, x: self.x.clone(), memory }
     }
 
     /// Applies `action [N x 2]`. After an outcome that is `done`, call [`Environment::reset`].

@@ -4,10 +4,12 @@
 //! hands the networks to a library that overwrites it in every layer with the orthogonal initialisation, with the gains of
 //! detail 2 of Huang et al., "The 37 Implementation Details of PPO" (ICLR blog track 2022).
 
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
-use sidestep::network::Mlp;
+use sidestep::network::{Cnn, Mlp, Network};
+use sidestep::observation::{ObservationPart, image_place};
 
 use crate::gaussian::standard_normal;
 
@@ -67,10 +69,46 @@ impl Initialization {
     }
 }
 
+impl Initialization {
+    /// A new policy that sees `parts` of so many waypoints, with two hidden layers. Convolutions begin uniform in
+    /// +-sqrt(6 / inputs), which keeps the variance through ReLU (He et al. 2015, doi:10.1109/ICCV.2015.123), whatever the
+    /// initialisation says of dense layers; a skip connection begins at 0.
+    ///
+    /// # Errors
+    /// If a size is 0 or too large.
+    pub fn policy(
+        self,
+        parts: &[ObservationPart],
+        waypoints: usize,
+        hidden: usize,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<Network, InvalidInput> {
+        let sizes = Network::sizes_for(parts, waypoints, &[hidden, hidden], 2 * waypoints);
+        let Some(image_at) = image_place(parts, waypoints) else {
+            return Ok(self.network(&sizes, Role::Policy, rng)?.into());
+        };
+        let head = self.network(&sizes[1..], Role::Policy, rng)?;
+        let mut parameters = vec![0.0; Cnn::parameter_count(&sizes, image_at)?];
+        for (inputs, range) in Cnn::convolution_weights() {
+            let gain = 6.0_f32.sqrt();
+            let weights = uniform(inputs, range.len() / inputs, rng);
+            parameters[range].iter_mut().zip(weights).for_each(|(p, w)| *p = gain * w);
+        }
+        parameters[Cnn::head_range(&sizes, image_at)?].copy_from_slice(head.parameters());
+        Ok(Cnn::new(&sizes, image_at, parameters)?.into())
+    }
+}
+
 /// `[outputs x inputs]`, 1 on the diagonal.
 fn identity(inputs: usize, outputs: usize) -> Vec<f32> {
     let entry = |index: usize| if index / inputs == index % inputs { 1.0 } else { 0.0 };
     (0..inputs * outputs).map(entry).collect()
+}
+
+/// `[outputs x inputs]`, uniform in +-1/sqrt(inputs).
+fn uniform(inputs: usize, outputs: usize, rng: &mut ChaCha8Rng) -> Vec<f32> {
+    let bound = 1.0 / (inputs as f32).sqrt();
+    (0..inputs * outputs).map(|_| bound * (2.0 * rng.random::<f32>() - 1.0)).collect()
 }
 
 /// `[outputs x inputs]` with orthonormal rows (or columns, if there are more rows) times `gain`: a

@@ -1,4 +1,4 @@
-//! A training, one unit at a time: epochs of cloning, then updates of PPO (paper, section II.B).
+//! A training, one unit at a time: epochs of cloning, rounds of DAgger, updates of PPO (paper, section II.B).
 //!
 //! A [`Trainer`] holds the complete state and touches neither files nor clock: the caller writes checkpoints and shows
 //! progress. A checkpoint after any unit goes on to the same bits as if nothing had happened ([`crate::checkpoint`]).
@@ -9,12 +9,14 @@ use sidestep::policy::{Policy, PolicyCard};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::suite::Suite;
-use sidestep::{InvalidInput, network::Mlp};
+use sidestep::{InvalidInput, Task, network::Network};
 
 use crate::agent::Agent;
 use crate::cloning::{self, Samples};
 use crate::config::{Setup, TrainConfig};
+use crate::dagger::{self, Rate, States, Surroundings};
 use crate::environment::{Environment, Problem};
+use crate::expert::Experts;
 use crate::optimizer::{Optimizer, OptimizerKind};
 use crate::ppo::{self, Rollout, UpdateMetrics};
 use crate::validation::{Validation, validate};
@@ -28,6 +30,8 @@ pub(crate) const LICENCE: &str = "MIT OR Apache-2.0";
 pub enum Stage {
     /// An epoch of behaviour cloning.
     Cloning,
+    /// A round of DAgger: rollouts, then training on all that was met.
+    Dagger,
     /// An update of PPO: experience from every environment, then epochs over it.
     Ppo,
 }
@@ -44,7 +48,7 @@ pub struct Progress {
     pub units: u64,
     /// Environment steps made so far.
     pub environment_steps: u64,
-    /// Loss of each minibatch of cloning, in order; empty for PPO.
+    /// Loss of each minibatch of cloning or DAgger, in order; empty for PPO.
     pub cloning_losses: Vec<f64>,
     /// What the update of PPO did.
     pub update: Option<UpdateMetrics>,
@@ -58,7 +62,7 @@ pub struct Progress {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Best {
     /// Its network.
-    pub network: Mlp,
+    pub network: Network,
     /// Its result.
     pub validation: Validation,
     /// Environment steps that made it.
@@ -75,9 +79,12 @@ pub struct Trainer {
     pub(crate) optimizer: Optimizer,
     pub(crate) environments: Vec<Environment>,
     pub(crate) epochs: u64,
+    pub(crate) rounds: u64,
+    pub(crate) states: States,
     pub(crate) updates: u64,
     pub(crate) curve: Vec<Progress>,
     pub(crate) best: Option<Best>,
+    experts: Experts,
     samples: Option<Samples>,
     rollouts: Vec<Rollout>,
 }
@@ -90,19 +97,21 @@ impl Trainer {
     pub fn new(config: TrainConfig) -> Result<Self, InvalidInput> {
         let setup = Setup::new(config)?;
         let config = &setup.config;
-        let problems = |suite: Suite, count: usize, seed: u64| -> Result<Vec<Problem>, _> {
-            // What is hard is the paper's gradient descent's to say, whatever profile is trained.
-            let tasks = suite.generate(count, seed, &Profile::PAPER);
+        // What is hard is the paper's gradient descent's to say, whatever profile is trained.
+        let tasks = |suite: Suite, count, seed| suite.generate(count, seed, &Profile::PAPER);
+        let problems = |tasks: &[Task]| -> Result<Vec<Problem>, _> {
             let (profile, waypoints) = (&setup.profile, setup.profile.waypoints);
             tasks.iter().map(|task| Problem::new(task, profile, waypoints, &setup.parts)).collect()
         };
         let (training, checks) = (&config.training, &config.validation);
-        let validation = problems(setup.validation, checks.count, checks.seed)?;
-        let problems = problems(setup.training, training.count, training.seed)?;
-        let (hidden, actions) = (config.network.hidden, 2 * setup.profile.waypoints);
+        let validation = problems(&tasks(setup.validation, checks.count, checks.seed))?;
+        let tasks = tasks(setup.training, training.count, training.seed);
+        let problems = problems(&tasks)?;
+        let experts = Experts::new(tasks, config.expert.clone(), setup.rules.action, config.seed);
+        let (waypoints, hidden) = (setup.profile.waypoints, config.network.hidden);
         let (initialization, log_std) = (config.network.initialization, config.ppo.initial_log_std);
-        let (wide, seed) = (setup.observation, config.seed);
-        let agent = Agent::new(wide, hidden, actions, initialization, log_std, seed)?;
+        let (parts, seed) = (&setup.parts, config.seed);
+        let agent = Agent::seeing(parts, waypoints, hidden, initialization, log_std, seed)?;
         let environment = |index| Environment::new(index, &problems, config.seed);
         let mut trainer = Self {
             environments: (0..config.ppo.environments).map(environment).collect(),
@@ -111,6 +120,9 @@ impl Trainer {
             validation,
             agent,
             epochs: 0,
+            rounds: 0,
+            states: States::default(),
+            experts,
             updates: 0,
             curve: Vec::new(),
             best: None,
@@ -131,6 +143,8 @@ impl Trainer {
     pub fn stage(&self) -> Option<Stage> {
         if self.epochs < self.setup.config.cloning.epochs as u64 {
             Some(Stage::Cloning)
+        } else if self.rounds < self.setup.config.dagger.rounds as u64 {
+            Some(Stage::Dagger)
         } else if self.updates < self.setup.config.updates() {
             Some(Stage::Ppo)
         } else {
@@ -138,10 +152,11 @@ impl Trainer {
         }
     }
 
-    /// Units made and units in all, over both stages.
+    /// Units made and units in all, over all stages.
     pub fn units(&self) -> (u64, u64) {
         let config = &self.setup.config;
-        (self.epochs + self.updates, config.cloning.epochs as u64 + config.updates())
+        let imitation = (config.cloning.epochs + config.dagger.rounds) as u64;
+        (self.epochs + self.rounds + self.updates, imitation + config.updates())
     }
 
     /// Environment steps made so far.
@@ -163,6 +178,7 @@ impl Trainer {
         let Some(stage) = self.stage() else { return Ok(None) };
         let mut progress = match stage {
             Stage::Cloning => self.clone_once(),
+            Stage::Dagger => self.dagger_once(),
             Stage::Ppo => self.update_once(),
         };
         self.check_finite(stage)?;
@@ -214,6 +230,9 @@ impl Trainer {
         if self.stage() != Some(Stage::Cloning) {
             self.samples = None;
         }
+        if self.stage() != Some(Stage::Dagger) {
+            self.states = States::default();
+        }
     }
 
     /// The kind of optimizer that the stage of the next unit uses.
@@ -240,18 +259,59 @@ impl Trainer {
         }
     }
 
+    fn dagger_once(&mut self) -> Progress {
+        let (config, problems) = (&self.setup.config, &self.problems);
+        let around = Surroundings {
+            problems,
+            experts: &self.experts,
+            rule: self.setup.rules.action,
+            starts: self.setup.dagger_starts,
+            seed: config.seed,
+        };
+        let met = dagger::collect(&self.agent, around, &config.dagger, self.rounds);
+        self.states.append(met, config.dagger.capacity);
+        let (agent, optimizer) = (&mut self.agent, &mut self.optimizer);
+        let schedule = Rate {
+            learning_rate: config.dagger.learning_rate
+                * config.dagger.schedule.factor(self.rounds as f64 / config.dagger.rounds as f64),
+            max_gradient_norm: config.ppo.max_gradient_norm,
+        };
+        let mut shuffle = stream(config.seed, Purpose::Shuffle, self.rounds, 2);
+        let (states, settings) = (&self.states, &config.dagger);
+        let losses =
+            dagger::train(agent, optimizer, (states, problems), settings, schedule, &mut shuffle);
+        self.rounds += 1;
+        Progress {
+            cloning_losses: losses,
+            ..self.progress(Stage::Dagger, self.rounds, self.setup.config.dagger.rounds as u64)
+        }
+    }
+
     fn update_once(&mut self) -> Progress {
         let config = &self.setup.config;
         let (ppo, updates) = (&config.ppo, config.updates());
         let (environments, problems) = (&mut self.environments, &self.problems);
         let (rules, rollouts) = (&self.setup.rules, &mut self.rollouts);
         ppo::collect(&self.agent, environments, problems, rules, ppo, rollouts);
+        let repair = &config.repair;
+        let rule = self.setup.rules.action;
+        let repaired =
+            ppo::repair::repair(environments, rollouts, problems, &self.experts, rule, repair);
         let progress = self.updates as f64 / updates as f64;
         let learning_rate = ppo.learning_rate * ppo.schedule.factor(progress);
         let mut shuffle = stream(config.seed, Purpose::Shuffle, self.updates, 0);
         let (agent, optimizer) = (&mut self.agent, &mut self.optimizer);
-        let metrics =
-            ppo::update(agent, optimizer, &self.rollouts, ppo, learning_rate, &mut shuffle);
+        let demonstrations = (&repaired, repair.weight);
+        let rollouts = &self.rollouts;
+        let metrics = ppo::update(
+            agent,
+            optimizer,
+            rollouts,
+            demonstrations,
+            ppo,
+            learning_rate,
+            &mut shuffle,
+        );
         self.updates += 1;
         Progress { update: Some(metrics), ..self.progress(Stage::Ppo, self.updates, updates) }
     }
@@ -278,23 +338,26 @@ impl Trainer {
         let config = &self.setup.config;
         let (field, rate, unit) = match stage {
             Stage::Cloning => ("cloning", config.cloning.learning_rate, self.epochs),
+            Stage::Dagger => ("dagger", config.dagger.learning_rate, self.rounds),
             Stage::Ppo => ("ppo", config.ppo.learning_rate, self.updates),
         };
         let allowed = format!("a lower rate: after unit {unit} the parameters are not finite");
         Err(InvalidInput::new(format!("{field}.learning_rate"), rate, allowed))
     }
 
-    fn card(&self, network: &Mlp, environment_steps: u64) -> Result<Policy, InvalidInput> {
+    fn card(&self, network: &Network, environment_steps: u64) -> Result<Policy, InvalidInput> {
         let config = &self.setup.config;
-        let point = |progress: &Progress| {
+        let point = |(index, progress): (usize, &Progress)| {
             let result = progress.validation?;
             Some(json!({
+                "unit": index + 1,
+                "stage": progress.stage,
                 "environment_steps": progress.environment_steps,
                 "success": result.success(),
                 "mean_iterations": result.mean_iterations,
             }))
         };
-        let curve: Vec<_> = self.curve.iter().filter_map(point).collect();
+        let curve: Vec<_> = self.curve.iter().enumerate().filter_map(point).collect();
         let card = PolicyCard {
             format: String::new(),
             architecture: String::new(),
@@ -315,11 +378,11 @@ impl Trainer {
 }
 
 impl Progress {
-    /// After cloning, after every so many updates, and after the last one.
+    /// After cloning, after every so many rounds or updates, and after the last one.
     fn validation_is_due(&self, config: &TrainConfig) -> bool {
         match self.stage {
             Stage::Cloning => self.unit == self.units,
-            Stage::Ppo => {
+            Stage::Dagger | Stage::Ppo => {
                 self.unit == self.units || self.unit.is_multiple_of(config.validation.every)
             }
         }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use sidestep::network::{Mlp, Scratch};
+use sidestep::network::{Network, Scratch};
 use sidestep::policy::ActionRule;
 
 use crate::environment::Problem;
@@ -31,7 +31,12 @@ impl Validation {
 }
 
 /// Runs the policy on every problem for at most `steps` iterations, or until feasible.
-pub fn validate(network: &Mlp, rule: ActionRule, problems: &[Problem], steps: usize) -> Validation {
+pub fn validate(
+    network: &Network,
+    rule: ActionRule,
+    problems: &[Problem],
+    steps: usize,
+) -> Validation {
     let firsts: Vec<Option<usize>> = problems
         .par_iter()
         .map_init(Scratch::default, |scratch, problem| {
@@ -45,7 +50,7 @@ pub fn validate(network: &Mlp, rule: ActionRule, problems: &[Problem], steps: us
 }
 
 fn first_feasible(
-    network: &Mlp,
+    network: &Network,
     rule: ActionRule,
     mut problem: Problem,
     steps: usize,

@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests; a malformed golden file is a failure")]
 
 use serde_json::Value;
-use sidestep::network::{Mlp, Scratch};
+use sidestep::network::{Mlp, Network, Scratch};
 use sidestep_train::Agent;
 use sidestep_train::advantage::{Steps, generalised_advantages};
 use sidestep_train::agent::Gradient;
@@ -61,7 +61,7 @@ fn agent(value: &Value) -> Agent {
         Some(layers) => network(layers),
         None => Mlp::new(&[policy.inputs(), 1], vec![0.0; policy.inputs() + 1]).unwrap(),
     };
-    Agent { policy, value: value_network, log_std: singles(&value["log_std"]) }
+    Agent { policy: policy.into(), value: value_network, log_std: singles(&value["log_std"]) }
 }
 
 fn all_parameters(agent: &Agent) -> Vec<f32> {
@@ -112,13 +112,13 @@ fn networks_and_gaussian() {
     let case = &golden["network"];
     let agent = agent(&case["parameters"]);
     let mut scratch = Scratch::default();
-    let mut outputs = |mlp: &Mlp| -> Vec<f32> {
-        mlp.forward_batch(&singles(&case["inputs"]), &mut scratch);
+    let mut outputs = |network: &Network| -> Vec<f32> {
+        network.forward_batch(&singles(&case["inputs"]), &mut scratch);
         (0..scratch.rows()).flat_map(|row| scratch.output(row).to_vec()).collect()
     };
     let means = outputs(&agent.policy);
     check("policy", &means, &flat(&case["policy_outputs"]), 2e-6);
-    check("value", &outputs(&agent.value), &flat(&case["value_outputs"]), 2e-6);
+    check("value", &outputs(&agent.value.clone().into()), &flat(&case["value_outputs"]), 2e-6);
     let actions = singles(&case["actions"]);
     let density = gaussian::Density::new(&agent.log_std);
     let rows = actions.chunks(4).zip(means.chunks(4));

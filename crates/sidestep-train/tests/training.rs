@@ -13,7 +13,7 @@ use sidestep::run::{Until, run};
 use sidestep::suite::Suite;
 use sidestep_train::{TrainConfig, Trainer};
 
-/// Seconds of work at most: 6 environments, 4 updates, 2 epochs of cloning, and every kind of state.
+/// Seconds of work at most: 2 epochs of cloning, 3 rounds of DAgger, 4 updates with repair, and every kind of state.
 const SMALL: &str = r#"
     seed = 5
     environment_steps = 190
@@ -24,7 +24,21 @@ const SMALL: &str = r#"
     cloning = { epochs = 2, samples_per_task = 12 }
     ppo = { environments = 6, steps = 8, minibatch = 20, epochs = 3, initial_log_std = -1.0, schedule = "cosine" }
     validation = { count = 12, every = 2, steps = 30 }
+    dagger = { rounds = 3, expert = "shortest-path", rollouts = 8, steps = 6, capacity = 60, minibatches = 7, minibatch = 16 }
+    repair = { expert = "shortest-path", after = 3 }
 "#;
+
+/// The same for an image agent.
+fn small_image() -> String {
+    SMALL
+        .replace(
+            r#"["gradient", "previous-gradients:2", "obstacle-cost"]"#,
+            r#"["ends", "image", "gradient"]"#,
+        )
+        .replace("environments = 6, steps = 8", "environments = 3, steps = 6")
+        .replace("environment_steps = 190", "environment_steps = 70")
+        .replace("count = 12, every = 2, steps = 30", "count = 4, every = 2, steps = 5")
+}
 
 fn trainer(text: &str) -> Trainer {
     Trainer::new(TrainConfig::from_toml(text).unwrap()).unwrap()
@@ -68,20 +82,44 @@ fn cloning_learns_gradient_descent() {
 }
 
 #[test]
+fn dagger_learns_the_shortest_path_where_cloning_cannot() {
+    // What gradient descent never solves; the policy sees start, goal and obstacles. 10 seeds: see the assertion.
+    let text = |rounds: usize| {
+        format!(
+            r#"
+            environment_steps = 0
+            observation = ["gradient", "trajectory", "ends", "nearest-obstacles:6"]
+            network = {{ hidden = 64, initialization = "orthogonal" }}
+            training = {{ suite = "hard", count = 200, seed = 1000 }}
+            cloning.epochs = 1
+            dagger = {{ rounds = {rounds}, expert = "shortest-path", minibatches = 150, learning_rate = 2e-3 }}
+            validation = {{ suite = "hard", count = 100, steps = 40, every = 10 }}
+            "#
+        )
+    };
+    let success = |rounds| finish(trainer(&text(rounds))).best().unwrap().validation.success();
+    let (cloned, imitated) = (success(0), success(10));
+    assert!(cloned < 0.05, "{cloned}");
+    assert!(imitated > 0.2, "{imitated}");
+}
+
+#[test]
 fn a_checkpoint_after_any_unit_goes_on_to_the_same_bits() {
-    let mut uninterrupted = trainer(SMALL);
-    let mut states = vec![uninterrupted.checkpoint().unwrap()];
-    while uninterrupted.step().unwrap().is_some() {
-        states.push(uninterrupted.checkpoint().unwrap());
-    }
-    assert_eq!(uninterrupted.units(), (6, 6));
-    let last = states.last().unwrap();
-    for state in &states {
-        let resumed = Trainer::resume(state).unwrap();
-        assert_eq!(&resumed.checkpoint().unwrap(), state, "resuming alone changes nothing");
-        let resumed = finish(resumed);
-        assert_eq!(&resumed.checkpoint().unwrap(), last);
-        assert_eq!(resumed.best_policy().unwrap(), uninterrupted.best_policy().unwrap());
+    for text in [SMALL.to_string(), small_image()] {
+        let mut uninterrupted = trainer(&text);
+        let mut states = vec![uninterrupted.checkpoint().unwrap()];
+        while uninterrupted.step().unwrap().is_some() {
+            states.push(uninterrupted.checkpoint().unwrap());
+        }
+        assert_eq!(uninterrupted.units(), (9, 9));
+        let last = states.last().unwrap();
+        for state in &states {
+            let resumed = Trainer::resume(state).unwrap();
+            assert_eq!(&resumed.checkpoint().unwrap(), state, "resuming alone changes nothing");
+            let resumed = finish(resumed);
+            assert_eq!(&resumed.checkpoint().unwrap(), last);
+            assert_eq!(resumed.best_policy().unwrap(), uninterrupted.best_policy().unwrap());
+        }
     }
 }
 
@@ -91,20 +129,31 @@ fn threads_change_nothing() {
         .replace("minibatch = 20", "minibatch = 300")
         .replace("environments = 6", "environments = 60")
         .replace("environment_steps = 190", "environment_steps = 960");
-    let with = |threads: usize| {
+    let image = small_image().replace("minibatch = 20", "minibatch = 200");
+    let with = |text: &str, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| finish(trainer(&large)).checkpoint().unwrap())
+        pool.install(|| finish(trainer(text)).checkpoint().unwrap())
     };
-    assert_eq!(with(1), with(3));
+    for text in [large, image] {
+        assert_eq!(with(&text, 1), with(&text, 3));
+    }
 }
 
 #[test]
 fn training_and_planning_run_the_same_policy() {
-    let trained = finish(trainer(SMALL));
+    for text in [SMALL.to_string(), small_image()] {
+        same_policy(&text);
+    }
+}
+
+/// Validation in training finds what the policy's file finds in planning.
+fn same_policy(text: &str) {
+    let trained = finish(trainer(text));
     let bytes = trained.policy().unwrap().to_safetensors().unwrap();
     let policy = Arc::new(Policy::from_safetensors(&bytes).unwrap());
     let (mut solved, mut iterations) = (0, 0);
-    for task in Suite::Easy.generate(12, 7, &Profile::PAPER) {
+    let checks = &trained.config().validation;
+    for task in Suite::Easy.generate(checks.count, 7, &Profile::PAPER) {
         let scene = Arc::new(Scene::new(&task.world, task.robot, &Profile::PAPER));
         let mut objective = Objective::new(&task, scene, 10).unwrap();
         let rng = stream(0, Purpose::Planner, 0, 0);
@@ -112,9 +161,10 @@ fn training_and_planning_run_the_same_policy() {
         let mut optimizer = Optimizer::new(&method, &task, &objective, rng).unwrap();
         let mut x = vec![0.0; objective.dim()];
         objective.straight_line(&mut x);
-        let run = run(&mut objective, &mut optimizer, &mut x, 30, Until::Feasible, |_| {
-            ControlFlow::Continue(())
-        });
+        let run =
+            run(&mut objective, &mut optimizer, &mut x, checks.steps, Until::Feasible, |_| {
+                ControlFlow::Continue(())
+            });
         solved += usize::from(run.first_feasible.is_some());
         iterations += run.first_feasible.unwrap_or(0);
     }
@@ -139,6 +189,8 @@ fn damaged_checkpoints_are_refused_in_words() {
     check(&replaced("\\\"hidden\\\":24", "\\\"hidden\\\":25"), "F32 [24, 71]");
     check(&replaced("\\\"clip\\\":0.2", "\\\"clip\\\":9.2"), "checkpoint.ppo.clip: 9.2");
     check(&replaced("\\\"updates\\\":0", "\\\"updates\\\":9"), "checkpoint.updates: 9");
+    check(&replaced("\\\"rounds\\\":0", "\\\"rounds\\\":2"), "checkpoint.rounds: 2");
+    check(&replaced("\\\"states\\\":0", "\\\"states\\\":7"), "checkpoint.states: 7");
     check(&replaced("\\\"task\\\":0", "\\\"task\\\":9"), "a number below 8");
 }
 

@@ -83,6 +83,11 @@ impl Scene {
         self.frame
     }
 
+    /// The world's bounds, in task units.
+    pub fn bounds(&self) -> crate::geometry::Rect {
+        self.world.bounds()
+    }
+
     /// Width and height of the bounds, in normalised units.
     pub fn field_size(&self) -> [f32; 2] {
         self.field_size

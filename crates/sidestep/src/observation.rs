@@ -4,9 +4,16 @@
 //! for 10 waypoints), the gradient and obstacle cost (31), or one of the wider observations of its
 //! section III.D.
 
+mod boxes;
+mod image;
+
 use crate::error::InvalidInput;
 use crate::objective::Objective;
-use crate::world::{Obstacle, World};
+use crate::profile::NORMALISED_EXTENT;
+use crate::world::World;
+use boxes::{nearest_boxes, obstacle_boxes};
+
+pub use image::IMAGE_SIDE;
 
 /// One part of an observation. N is the number of waypoints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -20,14 +27,24 @@ pub enum ObservationPart {
         /// How many earlier gradients.
         count: usize,
     },
-    /// The waypoints in normalised units, `[N x 2]`.
+    /// The waypoints from the field's centre in half-extents ([`centred`]), `[N x 2]`.
     Trajectory,
-    /// Centre and size of each obstacle's bounding box in normalised units, `[count x 4]`, zero
+    /// Centre and size of each obstacle's bounding box in the same units, `[count x 4]`, zero
     /// where there are fewer.
     Obstacles {
         /// Most obstacles that a task may have.
         count: usize,
     },
+    /// The same for the obstacles nearest to the straight line from start to goal, nearest first: an order that means
+    /// something. Obstacles beyond `count` are not seen, so there may be any number.
+    NearestObstacles {
+        /// How many are seen.
+        count: usize,
+    },
+    /// Start and goal in the same units: 4 numbers.
+    Ends,
+    /// The workspace and the trajectory as an image, `[64 x 64]` ([`image`]).
+    Image,
 }
 
 /// Most earlier gradients that an observation may hold.
@@ -36,7 +53,8 @@ const MAX_PREVIOUS: usize = 64;
 const MAX_OBSTACLES: usize = 4096;
 
 impl ObservationPart {
-    /// The part's name: `gradient`, `obstacle-cost`, `previous-gradients:K`, `trajectory`, `obstacles:K`.
+    /// The part's name: `gradient`, `obstacle-cost`, `previous-gradients:K`, `trajectory`, `obstacles:K`,
+    /// `nearest-obstacles:K`, `ends`, `image`.
     pub fn name(&self) -> String {
         match self {
             Self::Gradient => "gradient".into(),
@@ -44,6 +62,9 @@ impl ObservationPart {
             Self::PreviousGradients { count } => format!("previous-gradients:{count}"),
             Self::Trajectory => "trajectory".into(),
             Self::Obstacles { count } => format!("obstacles:{count}"),
+            Self::NearestObstacles { count } => format!("nearest-obstacles:{count}"),
+            Self::Ends => "ends".into(),
+            Self::Image => "image".into(),
         }
     }
 
@@ -67,12 +88,17 @@ impl ObservationPart {
             ("gradient", None) => Ok(Self::Gradient),
             ("obstacle-cost", None) => Ok(Self::ObstacleCost),
             ("trajectory", None) => Ok(Self::Trajectory),
+            ("ends", None) => Ok(Self::Ends),
+            ("image", None) => Ok(Self::Image),
             ("previous-gradients", _) => {
                 Ok(Self::PreviousGradients { count: count(MAX_PREVIOUS)? })
             }
             ("obstacles", _) => Ok(Self::Obstacles { count: count(MAX_OBSTACLES)? }),
+            ("nearest-obstacles", _) => Ok(Self::NearestObstacles { count: count(MAX_OBSTACLES)? }),
             _ => Err(refuse(
-                "gradient, obstacle-cost, previous-gradients:K, trajectory or obstacles:K".into(),
+                "gradient, obstacle-cost, previous-gradients:K, trajectory, ends, obstacles:K, \
+                 nearest-obstacles:K or image"
+                    .into(),
             )),
         }
     }
@@ -83,7 +109,9 @@ impl ObservationPart {
             Self::Gradient | Self::Trajectory => 2 * waypoints,
             Self::ObstacleCost => waypoints + 1,
             Self::PreviousGradients { count } => count * 2 * waypoints,
-            Self::Obstacles { count } => 4 * count,
+            Self::Obstacles { count } | Self::NearestObstacles { count } => 4 * count,
+            Self::Ends => 4,
+            Self::Image => IMAGE_SIDE * IMAGE_SIDE,
         }
     }
 
@@ -112,14 +140,23 @@ pub fn observation_len(parts: &[ObservationPart], waypoints: usize) -> Result<us
     Ok(parts.iter().map(|part| part.len(waypoints)).sum())
 }
 
+/// Where the image begins in an observation of these parts, if there is one.
+pub fn image_place(parts: &[ObservationPart], waypoints: usize) -> Option<usize> {
+    let index = parts.iter().position(|part| *part == ObservationPart::Image)?;
+    Some(parts[..index].iter().map(|part| part.len(waypoints)).sum())
+}
+
 /// Writes observations of one task, and remembers what its parts need from earlier steps.
 #[derive(Debug, Clone)]
 pub struct Encoder {
     parts: Vec<ObservationPart>,
     /// Earlier gradients, newest first: `[count x N x 2]`.
     previous: Vec<f32>,
-    /// The obstacles part, which does not change during a task.
+    /// The obstacles parts, which do not change during a task.
     obstacles: Vec<f32>,
+    nearest: Vec<f32>,
+    /// The workspace without a trajectory, for the image.
+    workspace: Vec<f32>,
 }
 
 impl Encoder {
@@ -133,8 +170,13 @@ impl Encoder {
         world: &World,
     ) -> Result<Self, InvalidInput> {
         observation_len(parts, objective.waypoints())?;
-        let mut encoder =
-            Self { parts: parts.to_vec(), previous: Vec::new(), obstacles: Vec::new() };
+        let mut encoder = Self {
+            parts: parts.to_vec(),
+            previous: vec![],
+            obstacles: vec![],
+            nearest: vec![],
+            workspace: vec![],
+        };
         for part in parts {
             match *part {
                 ObservationPart::PreviousGradients { count } => {
@@ -142,6 +184,10 @@ impl Encoder {
                 }
                 ObservationPart::Obstacles { count } => {
                     encoder.obstacles = obstacle_boxes(world, objective, count)?;
+                }
+                ObservationPart::Image => encoder.workspace = image::workspace(world),
+                ObservationPart::NearestObstacles { count } => {
+                    encoder.nearest = nearest_boxes(world, objective, count)?;
                 }
                 _ => {}
             }
@@ -185,7 +231,7 @@ impl Encoder {
             rest = after;
             match part {
                 ObservationPart::Gradient => part_out.copy_from_slice(gradient),
-                ObservationPart::Trajectory => part_out.copy_from_slice(x),
+                ObservationPart::Trajectory => centred_all(objective, x, part_out),
                 ObservationPart::ObstacleCost => {
                     let (costs, mean) = part_out.split_at_mut(objective.waypoints());
                     for (out, cost) in costs.iter_mut().zip(objective.waypoint_costs()) {
@@ -200,36 +246,36 @@ impl Encoder {
                     self.previous[..gradient.len()].copy_from_slice(gradient);
                 }
                 ObservationPart::Obstacles { .. } => part_out.copy_from_slice(&self.obstacles),
+                ObservationPart::NearestObstacles { .. } => part_out.copy_from_slice(&self.nearest),
+                ObservationPart::Image => {
+                    part_out.copy_from_slice(&self.workspace);
+                    image::draw_trajectory(objective, x, part_out);
+                }
+                ObservationPart::Ends => {
+                    let ends = [objective.start(), objective.goal()];
+                    centred_all(objective, ends.as_flattened(), part_out);
+                }
             }
         }
     }
 }
 
-/// `[count x 4]` of bounding box centre and size; shapes only, in the world's order.
-fn obstacle_boxes(
-    world: &World,
-    objective: &Objective,
-    count: usize,
-) -> Result<Vec<f32>, InvalidInput> {
-    let obstacles = world.obstacles();
-    if obstacles.len() > count || world.grid().is_some() {
-        let kind = if world.grid().is_some() { "an occupancy grid" } else { "shapes" };
-        return Err(InvalidInput::new(
-            "task.obstacles",
-            format!("{} obstacles ({kind})", obstacles.len()),
-            format!("at most {count} shapes, as the policy's observation obstacles:{count} holds"),
-        ));
-    }
-    let frame = objective.scene().frame();
-    let mut out = vec![0.0; 4 * count];
-    for (obstacle, out) in obstacles.iter().map(Obstacle::bounding_box).zip(out.chunks_mut(4)) {
-        let (min, max) = (frame.to_normalised(obstacle.min), frame.to_normalised(obstacle.max));
-        out.copy_from_slice(&[
-            0.5 * (min[0] + max[0]),
-            0.5 * (min[1] + max[1]),
-            max[0] - min[0],
-            max[1] - min[1],
-        ]);
-    }
-    Ok(out)
+/// Half of the field's larger side, in normalised units.
+pub(crate) const HALF_EXTENT: f32 = 0.5 * NORMALISED_EXTENT as f32;
+
+/// A position from the field's centre, in half-extents: in [-1, 1]. Positions of 0 to 6.4 beside gradients of a tenth would
+/// saturate the hidden units, and the gradient would go under (docs/research/wide-observations.md).
+pub(crate) fn centred(objective: &Objective, p: [f32; 2]) -> [f32; 2] {
+    let size = objective.scene().field_size();
+    [0, 1].map(|axis| (p[axis] - 0.5 * size[axis]) / HALF_EXTENT)
 }
+
+fn centred_all(objective: &Objective, points: &[f32], out: &mut [f32]) {
+    let points = points.as_chunks::<2>().0.iter();
+    for (out, &p) in out.as_chunks_mut::<2>().0.iter_mut().zip(points) {
+        *out = centred(objective, p);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -12,8 +12,8 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use crate::error::InvalidInput;
-use crate::network::{Mlp, WaypointNet, WaypointShape};
-use crate::observation::{ObservationPart, observation_len};
+use crate::network::{Cnn, Mlp, Network, Part, WaypointNet, WaypointShape};
+use crate::observation::{ObservationPart, image_place, observation_len};
 use crate::profile::{MAX_WAYPOINTS, Profile};
 use crate::tensors::{self, Reader, Tensor};
 use crate::waypoint_view::Probes;
@@ -23,6 +23,8 @@ pub const FORMAT: &str = "sidestep.policy/1";
 
 /// Dense layers over a whole trajectory: tanh, tanh, .., linear.
 const MLP: &str = "mlp";
+/// Convolutions over an image before them.
+const CNN: &str = "cnn";
 /// One network for every waypoint.
 const WAYPOINT: &str = "waypoint";
 
@@ -75,9 +77,10 @@ impl ActionRule {
 pub struct PolicyCard {
     /// [`FORMAT`].
     pub format: String,
-    /// `mlp` or `waypoint`.
+    /// `mlp`; `cnn` where the observation has an image; or `waypoint`.
     pub architecture: String,
-    /// Of an `mlp`, the layers' sizes `[observation, hidden.., 2 x waypoints]`; of a `waypoint` network
+    /// Of an `mlp`, the layers' sizes `[observation, hidden.., 2 x waypoints]`; of a `cnn` the same, with
+    /// the features of the image second; of a `waypoint` network
     /// `[row, width, dilation..]`.
     pub sizes: Vec<usize>,
     /// Waypoints N of the trajectories that it updates; a `waypoint` network was trained mostly for so many.
@@ -98,11 +101,11 @@ pub struct PolicyCard {
 #[derive(Debug, Clone, PartialEq)]
 pub enum PolicyNetwork {
     /// Sees the trajectory as a whole.
-    Mlp {
+    Whole {
         /// The observation's parts, in order.
         parts: Vec<ObservationPart>,
         /// From observation to update.
-        network: Mlp,
+        network: Network,
     },
     /// Sees each waypoint with its surroundings.
     Waypoint {
@@ -125,13 +128,14 @@ impl Policy {
     ///
     /// # Errors
     /// If the observation, the network and the number of waypoints do not fit each other, or a number of the card is not allowed.
-    pub fn new(mut card: PolicyCard, network: Mlp) -> Result<Self, InvalidInput> {
+    pub fn new(mut card: PolicyCard, network: impl Into<Network>) -> Result<Self, InvalidInput> {
+        let network = network.into();
         card.format = FORMAT.into();
-        card.architecture = MLP.into();
+        card.architecture = network.architecture().into();
         card.sizes = network.sizes().to_vec();
         check_card(&card)?;
-        let parts = check_mlp(&card)?;
-        Ok(Self { card, network: PolicyNetwork::Mlp { parts, network } })
+        let parts = check_whole(&card)?;
+        Ok(Self { card, network: PolicyNetwork::Whole { parts, network } })
     }
 
     /// A policy with weights shared over waypoints; the card's format, architecture and sizes are filled in from the network.
@@ -162,7 +166,7 @@ impl Policy {
     /// The number of waypoints that the policy is bound to, if it is.
     pub fn fixed_waypoints(&self) -> Option<usize> {
         match self.network {
-            PolicyNetwork::Mlp { .. } => Some(self.card.waypoints),
+            PolicyNetwork::Whole { .. } => Some(self.card.waypoints),
             PolicyNetwork::Waypoint { .. } => None,
         }
     }
@@ -170,7 +174,7 @@ impl Policy {
     /// The profile that the policy is bound to, if it is.
     pub fn fixed_profile(&self) -> Option<&str> {
         match self.network {
-            PolicyNetwork::Mlp { .. } => Some(&self.card.profile),
+            PolicyNetwork::Whole { .. } => Some(&self.card.profile),
             PolicyNetwork::Waypoint { .. } => None,
         }
     }
@@ -197,7 +201,7 @@ impl Policy {
     /// Never for a policy made by this module; kept for the writer's sake.
     pub fn to_safetensors(&self) -> Result<Vec<u8>, InvalidInput> {
         let tensors = match &self.network {
-            PolicyNetwork::Mlp { network, .. } => network_tensors(network, ""),
+            PolicyNetwork::Whole { network, .. } => parameter_tensors(network, ""),
             PolicyNetwork::Waypoint { network, .. } => {
                 let sizes = network.shape().layer_sizes();
                 layer_tensors(&sizes, network.layer_ranges(), network.parameters(), "")
@@ -222,14 +226,48 @@ impl Policy {
                 PolicyNetwork::Waypoint { probes, network: WaypointNet::new(&shape, parameters)? }
             }
             _ => {
-                let parts = check_mlp(&card)?;
-                let network = read_network(&mut reader, &card.sizes, "")?;
-                PolicyNetwork::Mlp { parts, network }
+                let parts = check_whole(&card)?;
+                let (sizes, waypoints) = (&card.sizes, card.waypoints);
+                let network = read_parameters(&mut reader, &parts, waypoints, sizes, "")?;
+                PolicyNetwork::Whole { parts, network }
             }
         };
         reader.finish()?;
         Ok(Self { card, network })
     }
+}
+
+/// The tensors of the network of a whole trajectory, each name with the prefix.
+pub fn parameter_tensors<'a>(network: &'a Network, prefix: &str) -> Vec<Tensor<'a>> {
+    let parameters = network.parameters();
+    let tensor =
+        |(name, shape, range): Part| (format!("{prefix}{name}"), shape, &parameters[range]);
+    network.parts().into_iter().map(tensor).collect()
+}
+
+/// Reads back what [`parameter_tensors`] wrote, for a network over `parts` of so many waypoints.
+///
+/// # Errors
+/// If a tensor is missing or is not finite f32 of the shape that `sizes` asks for.
+pub fn read_parameters(
+    reader: &mut Reader,
+    parts: &[ObservationPart],
+    waypoints: usize,
+    sizes: &[usize],
+    prefix: &str,
+) -> Result<Network, InvalidInput> {
+    let Some(image_at) = image_place(parts, waypoints) else {
+        return Ok(read_network(reader, sizes, prefix)?.into());
+    };
+    // Of zeros, for the names and shapes; its size was checked first.
+    let count = Cnn::parameter_count(sizes, image_at)?;
+    let mut network = Network::from(Cnn::new(sizes, image_at, vec![0.0; count])?);
+    let mut parameters = Vec::with_capacity(count);
+    for (name, shape, _) in network.parts() {
+        parameters.extend(reader.tensor(&format!("{prefix}{name}"), &shape)?);
+    }
+    network.update(|own| own.copy_from_slice(&parameters));
+    Ok(network)
 }
 
 /// The tensors `PREFIXlayers.L.weight` and `PREFIXlayers.L.bias` of a network.
@@ -282,8 +320,8 @@ fn read_layers(
 }
 
 fn check_card(card: &PolicyCard) -> Result<(), InvalidInput> {
-    if ![MLP, WAYPOINT].contains(&card.architecture.as_str()) {
-        let allowed = format!("{MLP} or {WAYPOINT}");
+    if ![MLP, CNN, WAYPOINT].contains(&card.architecture.as_str()) {
+        let allowed = format!("{MLP}, {CNN} or {WAYPOINT}");
         return Err(InvalidInput::new("policy.architecture", &card.architecture, allowed));
     }
     Profile::named(&card.profile).map_err(|error| error.inside("policy"))?;
@@ -313,12 +351,18 @@ fn check_waypoint(card: &PolicyCard) -> Result<(Probes, WaypointShape), InvalidI
     }
 }
 
-/// The parts of the observation of a card of the architecture [`MLP`].
-fn check_mlp(card: &PolicyCard) -> Result<Vec<ObservationPart>, InvalidInput> {
+/// The parts of the observation of a card of the architectures [`MLP`] and [`CNN`].
+fn check_whole(card: &PolicyCard) -> Result<Vec<ObservationPart>, InvalidInput> {
     let named: Result<Vec<_>, _> =
         card.observation.iter().map(|name| ObservationPart::named(name)).collect();
     let parts = named.map_err(|error| error.inside("policy"))?;
     let length = observation_len(&parts, card.waypoints).map_err(|error| error.inside("policy"))?;
+    let expected = Network::architecture_for(&parts);
+    if card.architecture != expected {
+        let observation = card.observation.join(" + ");
+        let allowed = format!("{expected}, which the observation {observation} takes");
+        return Err(InvalidInput::new("policy.architecture", &card.architecture, allowed));
+    }
     let (first, last) = (card.sizes.first().copied(), card.sizes.last().copied());
     if card.sizes.len() < 2 || first != Some(length) || last != Some(2 * card.waypoints) {
         return Err(InvalidInput::new(

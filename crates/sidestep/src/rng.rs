@@ -27,6 +27,10 @@ pub enum Purpose {
     Imitation = 7,
     /// Drawing starts and goals on a map.
     Query = 8,
+    /// Alternative routes of the shortest-path expert.
+    Expert = 9,
+    /// A rollout of DAgger.
+    Dagger = 10,
 }
 
 /// The stream for a purpose, numbered by `index` (a task) and `sub` (a start, an environment).

@@ -253,22 +253,59 @@ pub fn every_iterate(
     options: &Options,
     bar: &ProgressBar,
 ) -> Result<EveryIterate, Failure> {
-    let mut every = EveryIterate { any: 0, end: 0, certified: 0, firsts: Vec::new() };
-    for set in sets {
-        let run_one = |scene: &Arc<Scene>, index: usize, task: &Task| {
-            let outcome = all_starts(scene, task, index as u64, method, options);
-            bar.inc(1);
-            outcome
-        };
-        for (runs, _) in in_scenes(set, options, run_one)? {
+    let runs = all_runs(sets, method, options, false, bar)?;
+    Ok(EveryIterate::of(&runs, options.starts))
+}
+
+/// The figures that the first 1, 5, .. (`counts`) starts would give alone, each start broken off once it can change none
+/// of them; so there is no end state, and `end` counts nothing.
+pub fn race(
+    sets: &[TaskSet],
+    method: &Method,
+    options: &Options,
+    counts: &[usize],
+) -> Result<Vec<EveryIterate>, Failure> {
+    let most = counts.iter().copied().max().unwrap_or(1);
+    let options = Options { starts: most, ..options.clone() };
+    let runs = all_runs(sets, method, &options, true, &ProgressBar::hidden())?;
+    let of = |&count: &usize| EveryIterate { end: 0, ..EveryIterate::of(&runs, count) };
+    Ok(counts.iter().map(of).collect())
+}
+
+impl EveryIterate {
+    /// What the first `starts` runs of each task say.
+    fn of(runs: &[Vec<Run>], starts: usize) -> Self {
+        let mut every = Self { any: 0, end: 0, certified: 0, firsts: Vec::new() };
+        for runs in runs {
+            let runs = &runs[..starts.min(runs.len())];
             let first = runs.iter().filter_map(|run| run.first_feasible).min();
             every.any += usize::from(first.is_some());
             every.end += usize::from(runs.iter().any(|run| run.feasible_at_end));
             every.certified += usize::from(runs.iter().any(|run| run.first_certified.is_some()));
             every.firsts.push(first);
         }
+        every
     }
-    Ok(every)
+}
+
+/// The runs of every task.
+fn all_runs(
+    sets: &[TaskSet],
+    method: &Method,
+    options: &Options,
+    race: bool,
+    bar: &ProgressBar,
+) -> Result<Vec<Vec<Run>>, Failure> {
+    let mut all = Vec::new();
+    for set in sets {
+        let run_one = |scene: &Arc<Scene>, index: usize, task: &Task| {
+            let outcome = all_starts(scene, task, index as u64, method, options, race);
+            bar.inc(1);
+            outcome
+        };
+        all.extend(in_scenes(set, options, run_one)?.into_iter().map(|(runs, _)| runs));
+    }
+    Ok(all)
 }
 
 /// Microseconds per iteration, the median over the first `timed` tasks of each set, one after the other on this thread;
@@ -285,7 +322,7 @@ pub fn us_per_iteration(
             let scene = Arc::new(Scene::of(&tasks[0], &options.profile));
             for (offset, task) in tasks.iter().enumerate() {
                 let index = (first + offset) as u64;
-                let (runs, seconds) = all_starts(&scene, task, index, method, options)?;
+                let (runs, seconds) = all_starts(&scene, task, index, method, options, false)?;
                 let steps: usize = runs.iter().map(|run| run.steps).sum();
                 times.push(seconds * 1e6 / steps.max(1) as f64);
             }
@@ -294,13 +331,15 @@ pub fn us_per_iteration(
     Ok(quantile(&mut times, 0.5))
 }
 
-/// Runs every start to the end, and the seconds that the iterations took.
+/// Runs every start, and the seconds that the iterations took. In a race a run ends where it is certified, or where no
+/// later iterate could be the first of all starts.
 fn all_starts(
     scene: &Arc<Scene>,
     task: &Task,
     index: u64,
     method: &Method,
     options: &Options,
+    race: bool,
 ) -> Result<(Vec<Run>, f64), InvalidInput> {
     let waypoints = options.waypoints.unwrap_or(options.profile.waypoints);
     let mut objective = Objective::new(task, scene.clone(), waypoints)?;
@@ -316,11 +355,42 @@ fn all_starts(
         }
         let rng = stream(options.seed, Purpose::Planner, index, start as u64);
         let mut optimizer = Optimizer::new(method, task, &objective, rng)?;
+        let first = |pick: fn(&Run) -> Option<usize>| runs.iter().filter_map(pick).min();
+        let steps = match (first(|run| run.first_feasible), first(|run| run.first_certified)) {
+            (Some(feasible), Some(_)) if race => options.steps.min(feasible),
+            _ => options.steps,
+        };
         let begin = Instant::now();
-        runs.push(run(&mut objective, &mut optimizer, &mut x, options.steps, Until::Spent, |_| {
-            ControlFlow::Continue(())
-        }));
+        let found = run(&mut objective, &mut optimizer, &mut x, steps, Until::Spent, |seen| {
+            if race && seen.solved { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        runs.push(found);
         seconds += begin.elapsed().as_secs_f64();
     }
     Ok((runs, seconds))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sidestep::profile::Profile;
+    use sidestep::suite::Suite;
+
+    #[test]
+    fn a_race_finds_what_running_every_start_to_the_end_finds() {
+        let tasks = Suite::Mix.generate(40, 7, &Profile::PAPER);
+        let exact = vec![Exact::Undecided; tasks.len()];
+        let sets = [TaskSet { label: "seed 7".into(), tasks, exact }];
+        let method = Method::GradientDescent { step: Some(0.5) };
+        let options = Options { profile: Profile::PAPER, steps: 60, ..Options::default() };
+        let counts = [1, 3, 6];
+        let raced = race(&sets, &method, &options, &counts).unwrap();
+        for (starts, raced) in counts.into_iter().zip(raced) {
+            let options = Options { starts, ..options.clone() };
+            let every = every_iterate(&sets, &method, &options, &ProgressBar::hidden()).unwrap();
+            assert_eq!((raced.any, raced.certified), (every.any, every.certified));
+            assert_eq!(raced.firsts, every.firsts);
+            assert_eq!(raced.end, 0);
+        }
+    }
 }

@@ -18,6 +18,9 @@ pub struct Experiment {
     /// Seeds that each policy is trained with, if it names none of its own.
     #[serde(default)]
     pub training_seeds: Vec<u64>,
+    /// What the columns of the success table are.
+    #[serde(default)]
+    pub columns: Columns,
     /// The measurements made of every policy and baseline.
     pub measure: Vec<Measure>,
     /// Training configuration that all policies share; unnamed values are the defaults.
@@ -31,8 +34,19 @@ pub struct Experiment {
     pub baselines: Vec<BaselineEntry>,
 }
 
+/// What the columns of an experiment's success table are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Columns {
+    /// One table per measurement, with the policies' columns.
+    #[default]
+    Policies,
+    /// One table in all, with the measurements as columns.
+    Measures,
+}
+
 /// Tasks and starts to measure on.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measure {
     /// Name of the measurement; the key of the paper's numbers.
@@ -55,6 +69,18 @@ pub struct Measure {
     /// Profile of planners that have none of their own.
     #[serde(default = "default_profile")]
     pub profile: String,
+    /// Whether a start is broken off once it can no longer change the first feasible and the first certified iterate of
+    /// its task. Much faster with several starts, and without end-state success.
+    #[serde(default)]
+    pub until_solved: bool,
+}
+
+impl Measure {
+    /// Whether the two differ in nothing but their name and number of starts, so that one race serves both.
+    pub fn races_with(&self, other: &Self) -> bool {
+        let named = Self { name: other.name.clone(), starts: other.starts, ..self.clone() };
+        self.until_solved && named == *other
+    }
 }
 
 fn default_steps() -> usize {

@@ -15,14 +15,16 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 use sidestep::optimizer::Method;
 use sidestep::plan::{Options, Planner};
-use sidestep::policy::Policy;
+use sidestep::policy::{Policy, PolicyCard};
 use sidestep::profile::Profile;
 use sidestep::starts::StartStrategy;
 use sidestep::suite::Suite;
 use sidestep_train::Trainer;
 
 use crate::Global;
-use crate::bench::measure::{EveryIterate, Exact, TaskSet, every_iterate, plans, us_per_iteration};
+use crate::bench::measure::{
+    EveryIterate, Exact, TaskSet, every_iterate, plans, race, us_per_iteration,
+};
 use crate::bench::{exact_answers, statistics::mean};
 use crate::failure::Failure;
 use crate::input::read_text;
@@ -30,7 +32,7 @@ use crate::machine::Provenance;
 use crate::output;
 use crate::planning::{load_policy, planner};
 use crate::table;
-use config::{Experiment, Measure, PolicyEntry};
+use config::{BaselineEntry, Experiment, Measure, PolicyEntry};
 use report::{Cell, ExperimentReport, FORMAT};
 
 /// Tasks of each set on which iterations are timed.
@@ -59,15 +61,14 @@ pub fn run(args: &ExperimentArgs, global: &Global) -> Result<(), Failure> {
     let mut cells = Vec::new();
     let count = (trained.len() + experiment.baselines.len()) * measures.len();
     let bar = output::progress("measuring", count as u64, global.quiet);
-    for (measure, options, sets) in &measures {
+    for group in measures.chunk_by(|a, b| a.measure.races_with(b.measure)) {
         for (entry, policies) in experiment.policies.iter().zip(&trained) {
-            cells.push(policy_cell(entry, policies, measure, options, sets)?);
-            bar.inc(1);
+            cells.extend(policy_cells(entry, policies, group)?);
+            bar.inc(group.len() as u64);
         }
         for baseline in &experiment.baselines {
-            let paper = baseline.paper.get(&measure.name).copied();
-            cells.push(baseline_cell(&baseline.planner, paper, measure, options, sets)?);
-            bar.inc(1);
+            cells.extend(baseline_cells(baseline, group)?);
+            bar.inc(group.len() as u64);
         }
     }
     bar.finish_and_clear();
@@ -142,37 +143,60 @@ fn train_one(
     Ok(Trained { policy: Arc::new(policy), seconds })
 }
 
-type Prepared<'a> = (&'a Measure, Options, Vec<TaskSet>);
+/// A measurement with its tasks drawn.
+struct Prepared<'a> {
+    measure: &'a Measure,
+    options: Options,
+    sets: Arc<Vec<TaskSet>>,
+}
 
-/// Draws the tasks of every measurement.
+/// Draws the tasks of every measurement; those of the same tasks share them.
 fn prepare(measures: &[Measure], quiet: bool) -> Result<Vec<Prepared<'_>>, Failure> {
-    let total: usize = measures.iter().map(|measure| measure.count * measure.seeds.len()).sum();
-    let bar = output::progress("tasks", total as u64, quiet);
-    let prepared = measures
-        .iter()
-        .map(|measure| {
-            let suite = Suite::named(&measure.suite)?;
-            let sets = measure
-                .seeds
-                .iter()
-                .map(|&seed| {
-                    let tasks = suite.generate(measure.count, seed, &Profile::PAPER);
-                    let exact = exact_answers(&tasks, &bar);
-                    TaskSet { label: format!("seed {seed}"), tasks, exact }
-                })
-                .collect();
-            let options = Options {
-                profile: Profile::named(&measure.profile)?,
-                steps: measure.steps,
-                starts: measure.starts,
-                strategy: StartStrategy::named(&measure.start_strategy)?,
-                ..Options::default()
-            };
-            Ok((measure, options, sets))
-        })
-        .collect();
+    let mut prepared: Vec<Prepared> = Vec::with_capacity(measures.len());
+    for measure in measures {
+        let tasks = |other: &Measure| (other.suite.clone(), other.count, other.seeds.clone());
+        let known = prepared.iter().find(|known| tasks(known.measure) == tasks(measure));
+        let sets = match known {
+            Some(known) => known.sets.clone(),
+            None => Arc::new(draw_sets(measure, quiet)?),
+        };
+        let options = Options {
+            profile: Profile::named(&measure.profile)?,
+            steps: measure.steps,
+            starts: measure.starts,
+            strategy: StartStrategy::named(&measure.start_strategy)?,
+            ..Options::default()
+        };
+        prepared.push(Prepared { measure, options, sets });
+    }
+    Ok(prepared)
+}
+
+fn draw_sets(measure: &Measure, quiet: bool) -> Result<Vec<TaskSet>, Failure> {
+    let suite = Suite::named(&measure.suite)?;
+    let bar = output::progress("tasks", (measure.count * measure.seeds.len()) as u64, quiet);
+    let draw = |&seed: &u64| {
+        let tasks = suite.generate(measure.count, seed, &Profile::PAPER);
+        let exact = exact_answers(&tasks, &bar);
+        TaskSet { label: format!("seed {seed}"), tasks, exact }
+    };
+    let sets = measure.seeds.iter().map(draw).collect();
     bar.finish_and_clear();
-    prepared
+    Ok(sets)
+}
+
+/// What one method does in every measurement of a group.
+fn measured(
+    sets: &[TaskSet],
+    method: &Method,
+    options: &Options,
+    group: &[Prepared],
+) -> Result<Vec<EveryIterate>, Failure> {
+    if group.iter().any(|prepared| prepared.measure.until_solved) {
+        let counts: Vec<usize> = group.iter().map(|prepared| prepared.measure.starts).collect();
+        return race(sets, method, options, &counts);
+    }
+    Ok(vec![every_iterate(sets, method, options, &ProgressBar::hidden())?])
 }
 
 fn blank(row: &str, column: &str, measure: &Measure, paper: Option<f64>) -> Cell {
@@ -180,6 +204,8 @@ fn blank(row: &str, column: &str, measure: &Measure, paper: Option<f64>) -> Cell
         row: row.into(),
         column: column.into(),
         measure: measure.name.clone(),
+        starts: measure.starts,
+        until_solved: measure.until_solved,
         paper,
         any: Vec::new(),
         end: Vec::new(),
@@ -189,6 +215,7 @@ fn blank(row: &str, column: &str, measure: &Measure, paper: Option<f64>) -> Cell
         us_per_iteration: Vec::new(),
         training_seconds: Vec::new(),
         kept_at_steps: Vec::new(),
+        curves: Vec::new(),
         time: Vec::new(),
     }
 }
@@ -198,21 +225,25 @@ fn push(cell: &mut Cell, every: &EveryIterate, sets: &[TaskSet]) {
     let is_solvable = |exact: &&Exact| matches!(exact, Exact::Solvable { .. });
     let solvable = sets.iter().flat_map(|set| &set.exact).filter(is_solvable).count();
     cell.any.push(every.any as f64 / tasks as f64);
-    cell.end.push(every.end as f64 / tasks as f64);
+    if !cell.until_solved {
+        cell.end.push(every.end as f64 / tasks as f64);
+    }
     cell.certified.push(every.certified as f64 / tasks as f64);
     cell.certified_of_solvable.push(every.certified as f64 / solvable.max(1) as f64);
     cell.iterations.extend(mean(&every.solved_iterations()));
 }
 
-fn policy_cell(
+fn policy_cells(
     entry: &PolicyEntry,
     policies: &[Trained],
-    measure: &Measure,
-    options: &Options,
-    sets: &[TaskSet],
-) -> Result<Cell, Failure> {
-    let paper = entry.paper.get(&measure.name).copied();
-    let mut cell = blank(&entry.row, &entry.column, measure, paper);
+    group: &[Prepared],
+) -> Result<Vec<Cell>, Failure> {
+    let blank_of = |prepared: &Prepared| {
+        let paper = entry.paper.get(&prepared.measure.name).copied();
+        blank(&entry.row, &entry.column, prepared.measure, paper)
+    };
+    let mut cells: Vec<Cell> = group.iter().map(blank_of).collect();
+    let (options, sets) = (&group[0].options, &group[0].sets);
     for Trained { policy, seconds } in policies {
         let card = policy.card();
         let options = Options {
@@ -220,18 +251,28 @@ fn policy_cell(
             waypoints: Some(card.waypoints),
             ..options.clone()
         };
-        let hidden = ProgressBar::hidden();
         let method = Method::Learned(policy.clone());
-        let every = every_iterate(sets, &method, &options, &hidden)?;
-        push(&mut cell, &every, sets);
-        cell.us_per_iteration.extend(us_per_iteration(sets, &method, &options, TIMED)?);
-        if measure.suite == "time" {
-            cell.time.push(shared_iterations(&every, &options, sets)?);
+        let all = measured(sets, &method, &options, group)?;
+        let time = us_per_iteration(sets, &method, &options, TIMED)?;
+        for ((cell, every), prepared) in cells.iter_mut().zip(&all).zip(group) {
+            push(cell, every, sets);
+            cell.us_per_iteration.extend(time);
+            if prepared.measure.suite == "time" {
+                cell.time.push(shared_iterations(every, &options, sets)?);
+            }
+            cell.training_seconds.push(*seconds);
+            let kept = card.training["environment_steps"].as_u64();
+            cell.kept_at_steps.push(kept.unwrap_or_default());
+            cell.curves.push(curve(card));
         }
-        cell.training_seconds.push(*seconds);
-        cell.kept_at_steps.push(card.training["environment_steps"].as_u64().unwrap_or_default());
     }
-    Ok(cell)
+    Ok(cells)
+}
+
+/// The validations of a policy's training.
+fn curve(card: &PolicyCard) -> Vec<[f64; 2]> {
+    let points = card.training["validation_curve"].as_array().into_iter().flatten();
+    points.filter_map(|p| Some([p["unit"].as_f64()?, p["success"].as_f64()?])).collect()
 }
 
 /// Iterations on the tasks that the policy and gradient descent (0.1) both solve within 100 steps.
@@ -260,36 +301,41 @@ fn shared_iterations(
     Ok([0, 1, 2].map(|index| sums[index] / counts[index].max(1.0)))
 }
 
-fn baseline_cell(
-    name: &str,
-    paper: Option<f64>,
-    measure: &Measure,
-    options: &Options,
-    sets: &[TaskSet],
-) -> Result<Cell, Failure> {
-    let planner = planner(name)?;
-    let mut cell = blank(name, "", measure, paper);
+fn baseline_cells(entry: &BaselineEntry, group: &[Prepared]) -> Result<Vec<Cell>, Failure> {
+    let planner = planner(&entry.planner)?;
+    let blank_of = |prepared: &Prepared| {
+        let paper = entry.paper.get(&prepared.measure.name).copied();
+        blank(&entry.planner, "", prepared.measure, paper)
+    };
+    let mut cells: Vec<Cell> = group.iter().map(blank_of).collect();
     let hidden = ProgressBar::hidden();
-    for set in sets {
+    for set in group[0].sets.iter() {
         let set = std::slice::from_ref(set);
         match &planner {
             Planner::Optimizer(method) => {
-                push(&mut cell, &every_iterate(set, method, options, &hidden)?, set);
-                cell.us_per_iteration.extend(us_per_iteration(set, method, options, TIMED)?);
+                let all = measured(set, method, &group[0].options, group)?;
+                let time = us_per_iteration(set, method, &group[0].options, TIMED)?;
+                for (cell, every) in cells.iter_mut().zip(&all) {
+                    push(cell, every, set);
+                    cell.us_per_iteration.extend(time);
+                }
             }
+            // Planners of another kind do not know starts.
             _ => {
-                let found = plans(&set[0], &planner, options, &hidden)?;
+                let found = plans(&set[0], &planner, &group[0].options, &hidden)?;
                 let certified =
                     found.iter().filter(|p| p.status == sidestep::plan::Status::Solved).count();
                 let share = certified as f64 / found.len() as f64;
                 let is_solvable = |exact: &&Exact| matches!(exact, Exact::Solvable { .. });
                 let solvable = set[0].exact.iter().filter(is_solvable).count();
-                cell.any.push(share);
-                cell.end.push(share);
-                cell.certified.push(share);
-                cell.certified_of_solvable.push(certified as f64 / solvable.max(1) as f64);
+                for cell in &mut cells {
+                    cell.any.push(share);
+                    cell.end.push(share);
+                    cell.certified.push(share);
+                    cell.certified_of_solvable.push(certified as f64 / solvable.max(1) as f64);
+                }
             }
         }
     }
-    Ok(cell)
+    Ok(cells)
 }

@@ -31,6 +31,12 @@ pub struct Cell {
     pub column: String,
     /// Name of the measurement.
     pub measure: String,
+    /// Start trajectories of the measurement.
+    #[serde(default = "one")]
+    pub starts: usize,
+    /// Whether runs were broken off once solved; `end` is empty then.
+    #[serde(default)]
+    pub until_solved: bool,
     /// The paper's percentage.
     pub paper: Option<f64>,
     /// Share feasible by the profile's check at any iterate.
@@ -49,7 +55,15 @@ pub struct Cell {
     pub training_seconds: Vec<f64>,
     /// Environment steps of the policy that was kept.
     pub kept_at_steps: Vec<u64>,
+    /// Of each training, its validations: units of training made before, and the share of the tasks that was solved.
+    #[serde(default)]
+    pub curves: Vec<Vec<[f64; 2]>>,
     /// On the tasks of the suite `time` that this policy and gradient descent (0.1) both solve within
     /// 100 steps: iterations of the policy and of gradient descent with steps 0.1 and 0.5.
     pub time: Vec<[f64; 3]>,
+}
+
+/// Starts of cells in reports from before there was a choice.
+fn one() -> usize {
+    1
 }

@@ -3,12 +3,18 @@
 
 use super::{grid, number};
 use crate::bench::statistics::{deviation, mean};
+use crate::experiment::config::Columns;
 use crate::experiment::report::{Cell, ExperimentReport};
 
 /// The report as Markdown.
 pub fn experiment_markdown(report: &ExperimentReport) -> String {
     let experiment = &report.experiment;
     let mut text = format!("{}\n", experiment.title);
+    let by_measure = experiment.columns == Columns::Measures;
+    if by_measure {
+        text += "\n";
+        text += &grid(&measures_grid(report));
+    }
     for measure in &experiment.measure {
         let cells: Vec<&Cell> = report.cells.iter().filter(|c| c.measure == measure.name).collect();
         let seeds: Vec<String> = measure.seeds.iter().map(u64::to_string).collect();
@@ -26,8 +32,10 @@ pub fn experiment_markdown(report: &ExperimentReport) -> String {
             },
             measure.steps
         );
-        text += &success_grid(&cells);
-        text += "\n";
+        if !by_measure {
+            text += &success_grid(&cells);
+            text += "\n";
+        }
         text += &grid(&detail(&cells));
     }
     let p = &report.provenance;
@@ -84,12 +92,43 @@ fn success_grid(cells: &[&Cell]) -> String {
     grid(&lines)
 }
 
+/// Any-step success of every row in every measurement.
+fn measures_grid(report: &ExperimentReport) -> Vec<Vec<String>> {
+    let label = |cell: &Cell| match cell.column.as_str() {
+        "" => format!("`{}`", cell.row),
+        column => format!("{} {column}", cell.row),
+    };
+    let names: Vec<&str> = report.experiment.measure.iter().map(|m| m.name.as_str()).collect();
+    let mut lines: Vec<Vec<String>> = vec![
+        std::iter::once("any-step success %")
+            .chain(names.iter().copied())
+            .map(String::from)
+            .collect(),
+    ];
+    let mut rows: Vec<String> = Vec::new();
+    for cell in &report.cells {
+        if !rows.contains(&label(cell)) {
+            rows.push(label(cell));
+        }
+    }
+    for row in rows {
+        let mut line = vec![row.clone()];
+        for name in &names {
+            let mut cells = report.cells.iter();
+            let cell = cells.find(|cell| cell.measure == *name && label(cell) == row);
+            line.push(cell.map_or_else(String::new, success));
+        }
+        lines.push(line);
+    }
+    lines
+}
+
 fn success(cell: &Cell) -> String {
     let paper = cell.paper.map_or_else(String::new, |paper| format!(" [{paper}]"));
     format!("{}{paper}", spread(&cell.any, 100.0, 1))
 }
 
-const HEADINGS: [&str; 10] = [
+const HEADINGS: [&str; 11] = [
     "row",
     "column",
     "any %",
@@ -98,6 +137,7 @@ const HEADINGS: [&str; 10] = [
     "of solvable %",
     "iterations",
     "us/iteration",
+    "us to solve",
     "time suite: policy / gd 0.1 / gd 0.5",
     "kept at step",
 ];
@@ -120,11 +160,19 @@ fn detail(cells: &[&Cell]) -> Vec<Vec<String>> {
             spread(&cell.certified_of_solvable, 100.0, 1),
             spread(&cell.iterations, 1.0, 1),
             spread(&cell.us_per_iteration, 1.0, 2),
+            // All starts side by side until one is feasible.
+            spread(&us_to_solve(cell), 1.0, 0),
             if cell.time.is_empty() { "-".into() } else { time.join(" / ") },
             number(mean(&kept), 0),
         ]);
     }
     lines
+}
+
+/// Mean microseconds until one of the starts, run side by side, is feasible.
+fn us_to_solve(cell: &Cell) -> Vec<f64> {
+    let pairs = cell.iterations.iter().zip(&cell.us_per_iteration);
+    pairs.map(|(iterations, us)| cell.starts as f64 * iterations * us).collect()
 }
 
 /// `mean ± deviation`.

@@ -12,6 +12,7 @@ use sidestep::suite::Suite;
 
 use super::TrainConfig;
 use crate::environment::Rules;
+use crate::ppo::RepairBy;
 
 /// Most numbers in the observations of one update or of cloning (4 GB of f32).
 const MAX_NUMBERS: usize = 1 << 30;
@@ -22,10 +23,10 @@ pub(crate) struct Setup {
     pub config: TrainConfig,
     pub profile: Profile,
     pub parts: Vec<ObservationPart>,
-    pub observation: usize,
     pub training: Suite,
     pub validation: Suite,
     pub starts: StartStrategy,
+    pub dagger_starts: StartStrategy,
     pub rules: Rules,
 }
 
@@ -66,6 +67,8 @@ impl Setup {
             Suite::named(&config.validation.suite).map_err(|error| error.inside("validation"))?;
         let starts = StartStrategy::named(&config.cloning.starts)
             .map_err(|error| InvalidInput::new("cloning.starts", error.value, error.allowed))?;
+        let dagger_starts = StartStrategy::named(&config.dagger.starts)
+            .map_err(|error| InvalidInput::new("dagger.starts", error.value, error.allowed))?;
         let environment = &config.environment;
         let action = ActionRule {
             scale: environment.action_scale,
@@ -78,7 +81,7 @@ impl Setup {
             feasible_bonus: environment.feasible_bonus,
             episode_limit: environment.episode_limit,
         };
-        Ok(Self { config, profile, parts, observation, training, validation, starts, rules })
+        Ok(Self { config, profile, parts, training, validation, starts, dagger_starts, rules })
     }
 }
 
@@ -112,6 +115,7 @@ fn above_zero<T: Copy + Into<f64> + Display>(
 
 fn check_numbers(config: &TrainConfig) -> Result<(), InvalidInput> {
     let TrainConfig { training, network, environment, cloning, ppo, validation, .. } = config;
+    check_imitation(config)?;
     within("environment_steps", config.environment_steps, 0..=1_000_000_000_000)?;
     within("training.count", training.count, 1..=1_000_000)?;
     within("network.hidden", network.hidden, 1..=4096)?;
@@ -143,6 +147,34 @@ fn check_numbers(config: &TrainConfig) -> Result<(), InvalidInput> {
     within("validation.steps", validation.steps, 1..=100_000)
 }
 
+fn check_imitation(config: &TrainConfig) -> Result<(), InvalidInput> {
+    let TrainConfig { dagger, expert, repair, .. } = config;
+    within("dagger.rounds", dagger.rounds, 0..=100_000)?;
+    within("dagger.rollouts", dagger.rollouts, 1..=100_000)?;
+    within("dagger.steps", dagger.steps, 1..=10_000)?;
+    within("dagger.beta", dagger.beta, 0.0..=1.0)?;
+    within("dagger.random_starts", dagger.random_starts, 0.0..=1.0)?;
+    within("dagger.noise", dagger.noise, 0.0..=1000.0)?;
+    within("dagger.capacity", dagger.capacity, 1..=4_000_000)?;
+    within("dagger.minibatches", dagger.minibatches, 1..=1_000_000)?;
+    within("dagger.minibatch", dagger.minibatch, 1..=4096)?;
+    above_zero("dagger.learning_rate", dagger.learning_rate, 1000.0)?;
+    above_zero("expert.step", expert.step, 1000.0)?;
+    above_zero("expert.rate", expert.rate, 1.0)?;
+    within("expert.alternatives", expert.alternatives, 0..=64)?;
+    within("repair.after", repair.after, 1..=u32::MAX)?;
+    within("repair.steps", repair.steps, 1..=10_000)?;
+    above_zero("repair.weight", repair.weight, 1e6)?;
+    if repair.expert != RepairBy::None && config.environment_steps == 0 {
+        return refuse(
+            "repair.expert",
+            "an expert, with environment_steps = 0",
+            "\"none\", or environment_steps above 0: episodes are repaired during PPO",
+        );
+    }
+    Ok(())
+}
+
 /// Products that decide how much memory a training takes.
 fn check_sizes(config: &TrainConfig, observation: usize) -> Result<(), InvalidInput> {
     let TrainConfig { training, cloning, ppo, .. } = config;
@@ -156,6 +188,9 @@ fn check_sizes(config: &TrainConfig, observation: usize) -> Result<(), InvalidIn
         }
     };
     check("ppo.steps", ppo.environments.checked_mul(ppo.steps), "environments x steps")?;
+    if cloning.epochs == 0 {
+        return Ok(());
+    }
     let samples = training.count.checked_mul(cloning.samples_per_task);
     check("cloning.samples_per_task", samples, "training.count x samples_per_task")
 }

@@ -158,6 +158,19 @@ mod tests {
         check("[validation]\nseed = 2", "validation.seed: 2");
         check("[validation]\nsuite = \"eazy\"", "validation.suite: eazy");
         check("[cloning]\nstarts = \"lnie\"", "cloning.starts: lnie");
+        check("observation = [\"image\", \"image\"]", "each kind of part once");
+        check("[dagger]\nexpert = \"shortest\"", "unknown variant `shortest`");
+        check(
+            "[dagger]\nbeta = 1.5",
+            "dagger.beta: 1.5 is not allowed; expected a number from 0 to 1",
+        );
+        check("[dagger]\nstarts = \"lnie\"", "dagger.starts: lnie");
+        check("[expert]\nrate = 0", "expert.rate: 0");
+        check("[repair]\nafter = 0", "repair.after: 0");
+        check(
+            "environment_steps = 0\nrepair.expert = \"shortest-path\"",
+            "repair.expert: an expert, with environment_steps = 0 is not allowed",
+        );
         check("ppo = 3", "ppo: 3 is not allowed; expected a table");
         check("seed = ", "config, line 1");
     }

@@ -62,8 +62,7 @@ pub fn loss_and_gradient(
     let density = Density::new(&agent.log_std);
     let sums = gradient.accumulate(agent, rows, |range, worker: &mut Worker| {
         let observations = &batch.observations[range.start * wide..range.end * wide];
-        agent.policy.forward_batch(observations, &mut worker.policy);
-        agent.value.forward_batch(observations, &mut worker.value);
+        agent.evaluate(observations, &mut worker.policy, &mut worker.value);
         worker.mean_gradient.resize(range.len() * acts, 0.0);
         worker.value_gradient.resize(range.len(), 0.0);
         let mut log_std_gradient = vec![-config.entropy * share * range.len() as f32; acts];

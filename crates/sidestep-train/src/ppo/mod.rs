@@ -27,6 +27,7 @@
 //! (paper). Beyond the 37: an optional stop at a target KL (Stable-Baselines3: 1.5 times the target, checked before each step).
 
 mod loss;
+pub mod repair;
 mod rollout;
 mod settings;
 
@@ -36,10 +37,12 @@ use serde::{Deserialize, Serialize};
 use sidestep::kernels::squared_norm;
 
 use crate::agent::{Agent, Gradient};
+use crate::cloning::{self, Samples};
 use crate::gaussian;
 use crate::optimizer::Optimizer;
 
 pub use loss::{Losses, Minibatch, loss_and_gradient};
+pub use repair::{RepairBy, RepairConfig, Repaired};
 pub use rollout::{Rollout, collect};
 pub use settings::{PpoConfig, Schedule};
 
@@ -72,6 +75,15 @@ pub struct UpdateMetrics {
     pub learning_rate: f64,
     /// Optimizer steps made; fewer than planned where the target KL ended the update.
     pub minibatches: usize,
+    /// Failed episodes that an expert was asked to repair, and those that it did.
+    #[serde(default)]
+    pub failed: usize,
+    /// See `failed`.
+    #[serde(default)]
+    pub repaired: usize,
+    /// Mean squared error against the repaired episodes; 0 without any.
+    #[serde(default)]
+    pub repair_loss: f64,
 }
 
 /// Factor that brings a gradient of this norm within the limit.
@@ -79,16 +91,20 @@ pub fn clip_factor(norm: f32, limit: f32) -> f32 {
     (limit / (norm + 1e-6)).min(1.0)
 }
 
-/// `config.epochs` passes of optimizer steps over what [`collect`] gathered.
+/// `config.epochs` passes of optimizer steps over what [`collect`] gathered, with `demonstrations` from repaired episodes and
+/// the weight of their loss.
 pub fn update(
     agent: &mut Agent,
     optimizer: &mut Optimizer,
     rollouts: &[Rollout],
+    (demonstrations, weight): (&Repaired, f32),
     config: &PpoConfig,
     learning_rate: f64,
     shuffle: &mut ChaCha8Rng,
 ) -> UpdateMetrics {
     let mut metrics = UpdateMetrics { learning_rate, ..rollout::summary(rollouts) };
+    (metrics.failed, metrics.repaired) = (demonstrations.failed, demonstrations.repaired);
+    let mut teacher = Teacher::new(demonstrations, agent, config.minibatch);
     let (mut batch, mut gradient) = (Minibatch::default(), Gradient::default());
     let mut order: Vec<u32> = (0..(rollouts.len() * config.steps) as u32).collect();
     'epochs: for _ in 0..config.epochs {
@@ -99,6 +115,7 @@ pub fn update(
             if config.target_kl.is_some_and(|target| losses.approx_kl > 1.5 * target) {
                 break 'epochs;
             }
+            metrics.repair_loss += teacher.add_gradient(agent, weight, shuffle, &mut gradient);
             let norm = squared_norm(gradient.values()).sqrt();
             let scale = clip_factor(norm, config.max_gradient_norm);
             agent.step(optimizer, learning_rate, scale, gradient.values());
@@ -116,8 +133,59 @@ pub fn update(
     metrics.approx_kl /= count;
     metrics.clip_fraction /= count;
     metrics.gradient_norm /= count;
+    metrics.repair_loss /= count;
     metrics.entropy = f64::from(gaussian::entropy(&agent.log_std));
     metrics
+}
+
+/// Hands out demonstrations, as many per minibatch as the minibatch has steps, in a new order each time they are through.
+struct Teacher<'a> {
+    samples: &'a Samples,
+    order: Vec<u32>,
+    next: usize,
+    minibatch: usize,
+    batch: Samples,
+    gradient: Gradient,
+}
+
+impl<'a> Teacher<'a> {
+    fn new(demonstrations: &'a Repaired, agent: &Agent, minibatch: usize) -> Self {
+        let samples = &demonstrations.samples;
+        let order: Vec<u32> = (0..(samples.targets.len() / agent.actions()) as u32).collect();
+        let next = order.len();
+        Self {
+            samples,
+            order,
+            next,
+            minibatch,
+            batch: Samples::default(),
+            gradient: Gradient::default(),
+        }
+    }
+
+    /// Adds `weight` times the gradient of the demonstrations' loss to `gradient`; returns the loss.
+    fn add_gradient(
+        &mut self,
+        agent: &Agent,
+        weight: f32,
+        shuffle: &mut ChaCha8Rng,
+        gradient: &mut Gradient,
+    ) -> f64 {
+        if self.order.is_empty() {
+            return 0.0;
+        }
+        if self.next >= self.order.len() {
+            shuffle_in_place(&mut self.order, shuffle);
+            self.next = 0;
+        }
+        let end = self.order.len().min(self.next + self.minibatch);
+        self.samples.gather(&self.order[self.next..end], agent, &mut self.batch);
+        self.next = end;
+        let loss = cloning::loss_and_gradient(agent, &self.batch, &[], &mut self.gradient);
+        let added = self.gradient.values().iter();
+        gradient.values_mut().iter_mut().zip(added).for_each(|(g, a)| *g += weight * a);
+        loss
+    }
 }
 
 /// Fisher-Yates.

@@ -7,7 +7,7 @@ use super::loss::Minibatch;
 use super::{PpoConfig, UpdateMetrics};
 use crate::advantage::{Steps, generalised_advantages};
 use crate::agent::Agent;
-use crate::environment::{Environment, Problem, Rules};
+use crate::environment::{Environment, Problem, Rules, Stuck};
 use crate::gaussian::{self, Density};
 
 /// One environment's steps of one update; each slice has one entry (or row) per step, in order.
@@ -23,6 +23,8 @@ pub struct Rollout {
     returns: Vec<f32>,
     /// Of each episode that ended: its steps, and whether it was solved.
     episodes: Vec<(u32, bool)>,
+    /// Where episodes were that the time limit cut off.
+    stuck: Vec<Stuck>,
 }
 
 /// Environments that one thread runs together; the results do not depend on it.
@@ -41,15 +43,15 @@ pub fn collect(
     rollouts.resize_with(count, Rollout::default);
     let groups = environments.par_chunks_mut(TOGETHER).zip(rollouts.par_chunks_mut(TOGETHER));
     groups.for_each(|(environments, rollouts)| {
-        let (mut policy, mut value, mut alone) = <(Scratch, Scratch, Scratch)>::default();
+        let (mut policy, mut value) = <(Scratch, Scratch)>::default();
+        let mut alone = <(Scratch, Scratch)>::default();
         let mut observations = Vec::new();
         let mut action = vec![0.0; agent.actions()];
         rollouts.iter_mut().for_each(Rollout::clear);
         for _ in 0..config.steps {
             observations.clear();
             environments.iter().for_each(|env| observations.extend_from_slice(env.observation()));
-            agent.policy.forward_batch(&observations, &mut policy);
-            agent.value.forward_batch(&observations, &mut value);
+            agent.evaluate(&observations, &mut policy, &mut value);
             for (row, (env, rollout)) in environments.iter_mut().zip(&mut *rollouts).enumerate() {
                 let mean = policy.output(row);
                 gaussian::sample(mean, &agent.log_std, &mut env.rng, &mut action);
@@ -60,9 +62,10 @@ pub fn collect(
                 let outcome = env.step(&action, rules);
                 let mut reward = outcome.reward;
                 if outcome.truncated {
+                    rollout.stuck.push(env.stuck());
                     // The rest of an episode that was cut off is worth what the value network says.
-                    agent.value.forward_batch(env.observation(), &mut alone);
-                    reward += config.gamma * alone.output(0)[0];
+                    let rest = agent.value_of(env.observation(), &mut alone.0, &mut alone.1);
+                    reward += config.gamma * rest;
                 }
                 rollout.rewards.push(reward);
                 rollout.dones.push(outcome.done());
@@ -73,8 +76,8 @@ pub fn collect(
             }
         }
         for (env, rollout) in environments.iter().zip(rollouts) {
-            agent.value.forward_batch(env.observation(), &mut alone);
-            rollout.estimate(alone.output(0)[0], config);
+            let rest = agent.value_of(env.observation(), &mut alone.0, &mut alone.1);
+            rollout.estimate(rest, config);
         }
     });
 }
@@ -92,6 +95,12 @@ impl Rollout {
         }
         self.dones.clear();
         self.episodes.clear();
+        self.stuck.clear();
+    }
+
+    /// Where episodes were that the time limit cut off.
+    pub fn stuck(&self) -> &[Stuck] {
+        &self.stuck
     }
 
     fn estimate(&mut self, last_value: f32, config: &PpoConfig) {

@@ -19,6 +19,7 @@ use crate::error::InvalidInput;
 use crate::kernels::Isa;
 use crate::kernels::dense::{Activation, padded};
 
+use super::cnn::ImageScratch;
 use super::layer::Layer;
 
 /// Most parameters that a network may have (256 MB); stops a hostile file before it allocates.
@@ -47,6 +48,8 @@ pub struct Scratch {
     activations: Vec<Vec<f32>>,
     /// Gradients with respect to `activations`, before the activation function.
     gradients: Vec<Vec<f32>>,
+    /// What a convolutional network needs besides.
+    pub(super) image: Option<Box<ImageScratch>>,
 }
 
 impl Scratch {
@@ -61,6 +64,17 @@ impl Scratch {
             Some(last) => &last[row * padded(self.outputs)..][..self.outputs],
             None => &[],
         }
+    }
+
+    /// The same, to be added to.
+    pub(super) fn output_mut(&mut self, row: usize) -> &mut [f32] {
+        let (outputs, at) = (self.outputs, row * padded(self.outputs));
+        self.activations.last_mut().map_or(&mut [], |last| &mut last[at..at + outputs])
+    }
+
+    /// Gradient with respect to the inputs, `[rows x padded(inputs)]`, from [`Mlp::input_gradient`].
+    pub fn input_gradient(&self) -> &[f32] {
+        self.gradients.first().map_or(&[], |first| first)
     }
 
     fn shape(&mut self, sizes: &[usize], rows: usize) {
@@ -215,6 +229,24 @@ impl Mlp {
             }
         }
     }
+
+    /// After [`Mlp::backward`], the gradient with respect to the inputs, left in [`Scratch::input_gradient`].
+    ///
+    /// # Panics
+    /// As [`Mlp::backward`].
+    pub fn input_gradient(&self, scratch: &mut Scratch) {
+        let (layer, rows) = (&self.layers[0], scratch.rows);
+        let [dx, dy, ..] = &mut scratch.gradients[..] else { return };
+        dx.resize(rows * padded(layer.inputs), 0.0);
+        layer.input_gradient(
+            Isa::detect(),
+            Activation::Linear,
+            rows,
+            dy,
+            &scratch.activations[0],
+            dx,
+        );
+    }
 }
 
 #[cfg(test)]
@@ -286,6 +318,8 @@ mod tests {
             mlp.forward_batch(&inputs, &mut scratch);
             let mut gradient = vec![0.5; mlp.parameters().len()];
             mlp.backward(&loss_weights, &mut scratch, &mut gradient);
+            mlp.input_gradient(&mut scratch);
+            let by_input = scratch.input_gradient().to_vec();
             let mut parameters: Vec<f64> = mlp.parameters().iter().map(|&p| f64::from(p)).collect();
             let loss = |parameters: &[f64]| -> f64 {
                 inputs.chunks(mlp.inputs()).flat_map(|input| reference(&mlp, input, parameters))
@@ -300,6 +334,20 @@ mod tests {
                 let slope = (above - loss(&parameters)) / (2.0 * h);
                 parameters[index] = value;
                 prop_assert!((f64::from(got) - 0.5 - slope).abs() <= 2e-5, "{index}: {got} {slope}");
+            }
+            let width = by_input.len() / rows;
+            for (index, &x) in inputs.iter().enumerate() {
+                let (row, column) = (index / mlp.inputs(), index % mlp.inputs());
+                let moved = |by: f64| -> f64 {
+                    let mut input = inputs[row * mlp.inputs()..][..mlp.inputs()].to_vec();
+                    input[column] = (f64::from(x) + by) as f32;
+                    let weights = &loss_weights[row * mlp.outputs()..];
+                    reference(&mlp, &input, &parameters).iter().zip(weights)
+                        .map(|(y, &w)| y * f64::from(w)).sum()
+                };
+                let slope = (moved(1e-3) - moved(-1e-3)) / 2e-3;
+                let got = f64::from(by_input[row * width + column]);
+                prop_assert!((got - slope).abs() <= 2e-3 * (1.0 + slope.abs()), "{index}: {got} {slope}");
             }
         }
     }

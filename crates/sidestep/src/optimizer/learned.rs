@@ -34,7 +34,7 @@ impl Learned {
     ) -> Result<Self, InvalidInput> {
         policy.check_use(objective.waypoints(), objective.scene().profile().name)?;
         let sight = match policy.network() {
-            PolicyNetwork::Mlp { parts, .. } => {
+            PolicyNetwork::Whole { parts, .. } => {
                 let encoder = Encoder::new(parts, objective, &task.world)?;
                 Sight::Whole {
                     observation: vec![0.0; encoder.len(objective)],
@@ -55,7 +55,7 @@ impl Learned {
         let rule = &self.policy.card().action;
         match (self.policy.network(), &mut self.sight) {
             (
-                PolicyNetwork::Mlp { network, .. },
+                PolicyNetwork::Whole { network, .. },
                 Sight::Whole { encoder, observation, action, scratch },
             ) => {
                 encoder.encode(objective, x, gradient, observation);

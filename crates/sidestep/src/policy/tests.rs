@@ -26,9 +26,9 @@ fn policy() -> Policy {
     Policy::new(card(&["gradient", "obstacle-cost"], 10), network).unwrap()
 }
 
-fn mlp(policy: &Policy) -> &Mlp {
+fn mlp(policy: &Policy) -> &Network {
     match policy.network() {
-        PolicyNetwork::Mlp { network, .. } => network,
+        PolicyNetwork::Whole { network, .. } => network,
         PolicyNetwork::Waypoint { .. } => unreachable!("made as an mlp"),
     }
 }
@@ -38,7 +38,44 @@ fn changed(change: impl FnOnce(&mut serde_json::Value)) -> Vec<u8> {
     let policy = policy();
     let mut document = serde_json::to_value(policy.card()).unwrap();
     change(&mut document);
-    tensors::write(&document, &network_tensors(mlp(&policy), "")).unwrap()
+    tensors::write(&document, &parameter_tensors(mlp(&policy), "")).unwrap()
+}
+
+fn image_policy() -> Policy {
+    let parts = [ObservationPart::Ends, ObservationPart::Image, ObservationPart::Gradient];
+    let sizes = Network::sizes_for(&parts, 10, &[3, 4], 20);
+    let count = Cnn::parameter_count(&sizes, 4).unwrap();
+    let parameters = (0..count).map(|i| (i as f32 * 0.7).sin()).collect();
+    let network = Cnn::new(&sizes, 4, parameters).unwrap();
+    Policy::new(card(&["ends", "image", "gradient"], 10), network).unwrap()
+}
+
+#[test]
+fn an_image_policy_comes_back_and_needs_its_image() {
+    let policy = image_policy();
+    assert_eq!(policy.card().architecture, "cnn");
+    let bytes = policy.to_safetensors().unwrap();
+    assert_eq!(Policy::from_safetensors(&bytes).unwrap(), policy);
+    let check = |change: &dyn Fn(&mut serde_json::Value), expected: &[&str]| {
+        let mut document = serde_json::to_value(policy.card()).unwrap();
+        change(&mut document);
+        let bytes = tensors::write(&document, &parameter_tensors(mlp(&policy), "")).unwrap();
+        let message = Policy::from_safetensors(&bytes).unwrap_err().to_string();
+        assert!(expected.iter().all(|part| message.contains(part)), "{message}");
+    };
+    check(&|d| d["architecture"] = "mlp".into(), &["mlp", "cnn, which", "ends + image + gradient"]);
+    let blind = serde_json::json!(["ends", "gradient"]);
+    check(
+        &|d| d["observation"] = blind.clone(),
+        &["cnn", "mlp, which the observation ends + gradient"],
+    );
+    check(&|d| d["sizes"][1] = 7.into(), &["network.sizes", "2048"]);
+    check(&|d| d["sizes"][2] = 5.into(), &["layers.0.weight", "F32 [5, 2048]"]);
+    // The image's place is part of the network: the same parts in another order are another policy.
+    let mlp_card = card(&["ends", "image", "gradient"], 10);
+    let other = Mlp::new(&[4120, 3, 20], vec![0.0; 4121 * 3 + 4 * 20]).unwrap();
+    let message = Policy::new(mlp_card, other).unwrap_err().to_string();
+    assert!(message.contains("mlp") && message.contains("cnn"), "{message}");
 }
 
 #[test]

@@ -1,0 +1,253 @@
+//! Routes of a task as trajectories of N waypoints: the exact shortest path, and different ways round.
+//!
+//! Paths are found among obstacles that are grown by a margin, the largest of [`MARGINS`] that makes the path little longer
+//! than the shortest one, so that what learns from them does not scrape along obstacles. An alternative
+//! leads through a random via-point and is then pulled taut; it is kept if it is not much longer and differs from the others.
+//! A path becomes waypoints by spreading them evenly, and where that would cut a corner, by putting one on every corner.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use sidestep::geometry::{Point, distance};
+use sidestep::objective::Objective;
+use sidestep::rng::{Purpose, stream};
+use sidestep::rrt_connect::shortcut;
+use sidestep::starts::polyline;
+use sidestep::{Obstacle, Robot, Route, ShortestPath, Task, World};
+
+/// Margins to obstacles in 64ths of the field (pixels of the paper's), tried in this order.
+const MARGINS: [f64; 5] = [2.5, 1.5, 0.8, 0.35, 0.05];
+/// A margin m is taken if its path is no longer than `STRETCH L + SLACK m + ROOM` pixels, L being the shortest.
+const STRETCH: f64 = 1.12;
+const SLACK: f64 = 4.0;
+const ROOM: f64 = 2.0;
+/// An alternative may be as long as `1.6 L + 12` pixels.
+const ALTERNATIVE_STRETCH: f64 = 1.6;
+const ALTERNATIVE_ROOM: f64 = 12.0;
+/// Mean distance of waypoints, in normalised units (5 pixels), from which on two routes are different.
+const DIFFERENT: f32 = 0.5;
+/// How much of a route's extra length counts against it, beside its mean distance from the trajectory.
+const EXTRA: f32 = 0.15;
+/// Via-points drawn for each alternative wanted.
+const DRAWS: usize = 4;
+
+/// A route as an expert follows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Target {
+    /// The waypoints, `[N x 2]`, normalised units.
+    pub waypoints: Vec<f32>,
+    /// Length beyond the shortest path's, normalised units.
+    pub extra: f32,
+}
+
+/// The route nearest to the waypoints `x [N x 2]`: least mean distance plus a share of the extra length. Following the nearest
+/// and not the shortest keeps the two sides of an obstacle from averaging into it.
+pub fn nearest<'a>(targets: &'a [Target], x: &[f32]) -> Option<&'a [f32]> {
+    let score = |target: &Target| mean_distance(&target.waypoints, x) + EXTRA * target.extra;
+    let best = targets.iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;
+    Some(&best.waypoints)
+}
+
+fn mean_distance(a: &[f32], b: &[f32]) -> f32 {
+    let (a, b) = (a.as_chunks::<2>().0, b.as_chunks::<2>().0);
+    let sum: f32 = a.iter().zip(b).map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1])).sum();
+    sum / a.len().max(1) as f32
+}
+
+/// The routes of a task, the shortest first; none where there is no path or none that N waypoints can follow.
+pub fn find(
+    task: &Task,
+    objective: &Objective,
+    alternatives: usize,
+    (seed, index): (u64, u64),
+) -> Vec<Target> {
+    let pixel = task.world.bounds().extent() / 64.0;
+    let mut exact = objective.scene().shortest_path();
+    let Some(shortest) = exact.find(task.start, task.goal).length() else { return Vec::new() };
+    let mut targets: Vec<Target> = Vec::new();
+    let scale = objective.scene().frame().scale;
+    let keep = |targets: &mut Vec<Target>, points: &[Point]| {
+        let Some(waypoints) = waypoints(points, objective) else { return };
+        let length: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+        let extra = ((length - shortest) / scale).max(0.0) as f32;
+        if targets.iter().all(|t| mean_distance(&t.waypoints, &waypoints) > DIFFERENT) {
+            targets.push(Target { waypoints, extra });
+        }
+    };
+    let mut search: Option<ShortestPath> = None;
+    for margin in MARGINS {
+        let mut grown = grown(task, margin * pixel);
+        let Route::Found { trajectory, length, .. } = grown.find(task.start, task.goal) else {
+            continue;
+        };
+        if length <= STRETCH * shortest + (SLACK * margin + ROOM) * pixel {
+            keep(&mut targets, trajectory.points());
+            if !targets.is_empty() {
+                search = Some(grown);
+                break;
+            }
+        }
+    }
+    if targets.is_empty() {
+        // A passage of hardly any width: the shortest path itself, if waypoints can follow it.
+        if let Route::Found { trajectory, .. } = exact.find(task.start, task.goal) {
+            keep(&mut targets, trajectory.points());
+        }
+    }
+    let Some(mut search) = search else { return targets };
+    let mut rng = stream(seed, Purpose::Expert, index, 0);
+    let longest = ALTERNATIVE_STRETCH * shortest + ALTERNATIVE_ROOM * pixel;
+    for _ in 0..DRAWS * alternatives {
+        if targets.len() > alternatives {
+            break;
+        }
+        if let Some(points) = through(task, uniform(task, &mut rng), &mut search, longest, &mut rng)
+        {
+            keep(&mut targets, &points);
+        }
+    }
+    targets
+}
+
+fn uniform(task: &Task, rng: &mut ChaCha8Rng) -> Point {
+    let (bounds, mut via) = (task.world.bounds(), [0.0; 2]);
+    for axis in 0..2 {
+        let t: f64 = rng.random();
+        via[axis] = bounds.min[axis] + t * (bounds.max[axis] - bounds.min[axis]);
+    }
+    via
+}
+
+/// A taut path through `via`, if it is short enough.
+fn through(
+    task: &Task,
+    via: Point,
+    search: &mut ShortestPath,
+    longest: f64,
+    rng: &mut ChaCha8Rng,
+) -> Option<Vec<Point>> {
+    let Route::Found { trajectory: first, length: one, .. } = search.find(task.start, via) else {
+        return None;
+    };
+    let Route::Found { trajectory: second, length: two, .. } = search.find(via, task.goal) else {
+        return None;
+    };
+    // Pulling it taut seldom takes off more than a half.
+    if one + two > 2.0 * longest {
+        return None;
+    }
+    let mut points: Vec<Point> = first.points().to_vec();
+    points.extend(&second.points()[1..]);
+    shortcut(&mut points, search.certifier(), 8, rng);
+    let length: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+    (length <= longest).then_some(points)
+}
+
+/// The search among obstacles and walls that are `margin` nearer (task units). Rectangles grow to rectangles, which keeps the
+/// search exact and quick; anything else is met by a larger robot.
+fn grown(task: &Task, margin: f64) -> ShortestPath {
+    let world = &task.world;
+    let rects: Option<Vec<Obstacle>> = world
+        .obstacles()
+        .iter()
+        .map(|obstacle| match obstacle {
+            Obstacle::Rect(rect) => Some(Obstacle::Rect(rect.inflated(margin))),
+            _ => None,
+        })
+        .collect();
+    match rects {
+        Some(rects) if world.grid().is_none() && task.robot == Robot::Point => {
+            let world = World::new(world.bounds().inflated(-margin), rects, None);
+            ShortestPath::new(&world, Robot::Point)
+        }
+        _ => ShortestPath::new(world, Robot::Disc { radius: task.robot.radius() + margin }),
+    }
+}
+
+/// N waypoints along the path, feasible by the profile's check and by the certificate; none if there are more corners than
+/// waypoints or the path cannot be followed in f32.
+fn waypoints(points: &[Point], objective: &Objective) -> Option<Vec<f32>> {
+    let frame = objective.scene().frame();
+    let corners: Vec<[f32; 2]> = points.iter().map(|&p| frame.to_normalised(p)).collect();
+    let mut x = vec![0.0; objective.dim()];
+    let passes = |x: &[f32]| objective.is_feasible(x) && objective.is_certified(x);
+    polyline(&corners, x.as_chunks_mut::<2>().0);
+    if passes(&x) {
+        return Some(x);
+    }
+    on_corners(&corners, x.as_chunks_mut::<2>().0)?;
+    passes(&x).then_some(x)
+}
+
+/// Puts a waypoint on every inner corner and spreads the others over the pieces, each time on the piece whose
+/// segments are longest.
+fn on_corners(corners: &[[f32; 2]], out: &mut [[f32; 2]]) -> Option<()> {
+    let pieces = corners.len() - 1;
+    let free = (out.len() + 1).checked_sub(pieces)?;
+    let lengths: Vec<f32> = corners
+        .windows(2)
+        .map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]))
+        .collect();
+    let mut segments = vec![1usize; pieces];
+    for _ in 0..free {
+        let longest = (0..pieces).max_by(|&a, &b| {
+            let part = |piece: usize| lengths[piece] / segments[piece] as f32;
+            part(a).total_cmp(&part(b))
+        })?;
+        segments[longest] += 1;
+    }
+    let mut rest = out.iter_mut();
+    for (piece, &count) in segments.iter().enumerate() {
+        let (from, to) = (corners[piece], corners[piece + 1]);
+        for step in 1..=count {
+            let t = step as f32 / count as f32;
+            // The last corner is the goal, which is no waypoint.
+            let Some(point) = rest.next() else { break };
+            *point = if step == count {
+                to
+            } else {
+                [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])]
+            };
+        }
+    }
+    Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sidestep::objective::Scene;
+    use sidestep::profile::Profile;
+    use sidestep::suite::Suite;
+    use std::sync::Arc;
+
+    #[test]
+    fn corners_get_waypoints_and_the_rest_is_spread() {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 3.0]];
+        let mut out = [[9.0; 2]; 3];
+        on_corners(&corners, &mut out).unwrap();
+        assert_eq!(out, [[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]]);
+        assert!(on_corners(&[[0.0; 2]; 6], &mut out).is_none(), "more corners than waypoints");
+    }
+
+    #[test]
+    fn routes_are_certified_different_and_the_shortest_comes_first() {
+        let tasks = Suite::Hard.generate(40, 1000, &Profile::PAPER);
+        let (mut with_choice, mut none) = (0, 0);
+        for (index, task) in tasks.iter().enumerate() {
+            let scene = Arc::new(Scene::of(task, &Profile::PAPER));
+            let objective = Objective::new(task, scene, 10).unwrap();
+            let targets = find(task, &objective, 4, (5, index as u64));
+            let again = find(task, &objective, 4, (5, index as u64));
+            assert_eq!(targets, again);
+            for target in &targets {
+                assert!(objective.is_certified(&target.waypoints), "{}", task.name);
+                assert_eq!(nearest(&targets, &target.waypoints).unwrap().len(), 20);
+            }
+            assert!(targets.len() <= 5);
+            none += usize::from(targets.is_empty());
+            with_choice += usize::from(targets.len() > 1);
+        }
+        assert!(none <= 5, "{none} of 40 hard tasks without a route");
+        assert!(with_choice >= 10, "{with_choice} of 40 with an alternative");
+    }
+}

@@ -1,0 +1,205 @@
+//! Repair of failed episodes by an expert (T. Jurgenson and A. Tamar, Harnessing reinforcement learning for neural motion
+//! planning, RSS 2019, section IV): what the policy could not solve, an expert planner completes, and the policy learns from that.
+//!
+//! An episode has failed where the time limit cut it off, or where it is unsolved after `after` steps at an update's end. The
+//! expert walks its task once from the straight line and once from where the episode got stuck; each walk that
+//! becomes feasible is a demonstration. Demonstrations are no experience of the policy, so they have no place in PPO's
+//! surrogate. They join each of its minibatches with a loss of their own:
+//!
+//! ```text
+//! loss = loss of PPO + weight mean(|mean of the policy - expert's answer|^2)
+//! ```
+//!
+//! The environment then goes on to its next task.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use sidestep::policy::ActionRule;
+
+use crate::cloning::Samples;
+use crate::environment::{Environment, Problem, Stuck};
+use crate::expert::{ExpertKind, Experts};
+use crate::ppo::Rollout;
+
+/// Who repairs failed episodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RepairBy {
+    /// Nobody.
+    #[default]
+    None,
+    /// [`ExpertKind::GradientDescent`].
+    GradientDescent,
+    /// [`ExpertKind::TunedGradientDescent`].
+    TunedGradientDescent,
+    /// [`ExpertKind::ShortestPath`].
+    ShortestPath,
+}
+
+impl RepairBy {
+    /// The expert, if there is one.
+    pub fn expert(self) -> Option<ExpertKind> {
+        match self {
+            Self::None => None,
+            Self::GradientDescent => Some(ExpertKind::GradientDescent),
+            Self::TunedGradientDescent => Some(ExpertKind::TunedGradientDescent),
+            Self::ShortestPath => Some(ExpertKind::ShortestPath),
+        }
+    }
+}
+
+/// Settings of the repair.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RepairConfig {
+    /// Who repairs; `none` leaves it out.
+    pub expert: RepairBy,
+    /// Age from which an unsolved episode counts as failed at the end of an update.
+    pub after: u32,
+    /// Most steps of the expert.
+    pub steps: usize,
+    /// Weight of the demonstrations' loss.
+    pub weight: f32,
+}
+
+impl Default for RepairConfig {
+    fn default() -> Self {
+        Self { expert: RepairBy::None, after: 40, steps: 30, weight: 1.0 }
+    }
+}
+
+/// The demonstrations of one update.
+#[derive(Debug, Clone, Default)]
+pub struct Repaired {
+    /// What the expert saw and answered.
+    pub samples: Samples,
+    /// Failed episodes.
+    pub failed: usize,
+    /// Those of which the expert solved the task at least once.
+    pub repaired: usize,
+}
+
+/// Repairs the failed episodes of what was just collected, and sends their environments on.
+pub fn repair(
+    environments: &mut [Environment],
+    rollouts: &[Rollout],
+    problems: &[Problem],
+    experts: &Experts,
+    rule: ActionRule,
+    config: &RepairConfig,
+) -> Repaired {
+    let Some(kind) = config.expert.expert() else { return Repaired::default() };
+    let mut failed: Vec<Stuck> = rollouts.iter().flat_map(|r| r.stuck().iter().cloned()).collect();
+    let count = environments.len();
+    for environment in environments.iter_mut().filter(|env| env.age() >= config.after) {
+        failed.push(environment.stuck());
+        environment.reset(problems, count);
+    }
+    let walks: Vec<[Option<Samples>; 2]> = failed
+        .par_iter()
+        .map(|stuck| {
+            let walk = |x: Option<&Stuck>| {
+                walk(kind, stuck.task, x, problems, experts, rule, config.steps)
+            };
+            [walk(None), walk(Some(stuck))]
+        })
+        .collect();
+    let repaired = walks.iter().filter(|pair| pair.iter().any(Option::is_some)).count();
+    let mut samples = Samples::default();
+    for walk in walks.into_iter().flatten().flatten() {
+        samples.observations.extend(walk.observations);
+        samples.targets.extend(walk.targets);
+    }
+    Repaired { samples, failed: failed.len(), repaired }
+}
+
+/// The expert's walk from `stuck`, or from the straight line; none if it does not become feasible.
+fn walk(
+    kind: ExpertKind,
+    task: usize,
+    stuck: Option<&Stuck>,
+    problems: &[Problem],
+    experts: &Experts,
+    rule: ActionRule,
+    steps: usize,
+) -> Option<Samples> {
+    let mut problem = problems[task].clone();
+    let dim = problem.objective.dim();
+    let (mut x, mut gradient, mut answer) = (vec![0.0; dim], vec![0.0; dim], vec![0.0; dim]);
+    let mut observation = vec![0.0; problem.encoder.len(&problem.objective)];
+    problem.encoder.reset();
+    match stuck {
+        Some(stuck) => {
+            x.copy_from_slice(&stuck.x);
+            problem.encoder.restore(&stuck.memory);
+        }
+        None => problem.objective.straight_line(&mut x),
+    }
+    let mut samples = Samples::default();
+    for _ in 0..steps {
+        if problem.objective.is_feasible(&x) {
+            return Some(samples);
+        }
+        problem.observe(&x, &mut gradient, &mut observation);
+        if !experts.answer(kind, task, &problem, &x, &gradient, &mut answer) {
+            return None;
+        }
+        samples.observations.extend_from_slice(&observation);
+        samples.targets.extend_from_slice(&answer);
+        rule.apply(&answer, problem.objective.scene().field_size(), &mut x);
+    }
+    problem.objective.is_feasible(&x).then_some(samples)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::agent::Agent;
+    use crate::environment::Rules;
+    use crate::expert::ExpertConfig;
+    use crate::initialization::Initialization;
+    use crate::ppo::{PpoConfig, collect};
+    use sidestep::observation::ObservationPart;
+    use sidestep::profile::Profile;
+    use sidestep::suite::Suite;
+
+    #[test]
+    fn failed_episodes_become_demonstrations_and_their_environments_go_on() {
+        let parts = [ObservationPart::Gradient, ObservationPart::PreviousGradients { count: 1 }];
+        let tasks = Suite::Hard.generate(6, 1000, &Profile::PAPER);
+        let problems: Vec<Problem> = tasks
+            .iter()
+            .map(|task| Problem::new(task, &Profile::PAPER, 10, &parts).unwrap())
+            .collect();
+        let rule = ActionRule::PAPER;
+        let experts = Experts::new(tasks, ExpertConfig::default(), rule, 3);
+        let agent = Agent::new(40, 8, 20, Initialization::Orthogonal, -4.0, 1).unwrap();
+        let check = |episode_limit: Option<u32>, steps: usize, expert: RepairBy| {
+            let mut environments: Vec<Environment> =
+                (0..3).map(|index| Environment::new(index, &problems, 3)).collect();
+            let rules = Rules { action: rule, mu: 0.1, feasible_bonus: 0.0, episode_limit };
+            let ppo = PpoConfig { steps, ..PpoConfig::default() };
+            let mut rollouts = Vec::new();
+            collect(&agent, &mut environments, &problems, &rules, &ppo, &mut rollouts);
+            let config = RepairConfig { expert, after: 10, ..RepairConfig::default() };
+            let found = repair(&mut environments, &rollouts, &problems, &experts, rule, &config);
+            let tasks: Vec<usize> = environments.iter().map(|env| env.save().task).collect();
+            (found, tasks)
+        };
+        let (none, tasks) = check(None, 10, RepairBy::None);
+        assert_eq!((none.failed, none.samples.targets.len(), tasks), (0, 0, vec![0, 1, 2]));
+        let (old, tasks) = check(None, 10, RepairBy::ShortestPath);
+        assert_eq!((old.failed, tasks), (3, vec![3, 4, 5]));
+        assert!(old.repaired >= 2, "{}", old.repaired);
+        assert_eq!(old.samples.observations.len(), 2 * old.samples.targets.len());
+        let (young, tasks) = check(None, 9, RepairBy::ShortestPath);
+        assert_eq!((young.failed, tasks), (0, vec![0, 1, 2]));
+        // Cut off twice in 8 steps, then 0 steps old at the end.
+        let (cut, _) = check(Some(4), 8, RepairBy::ShortestPath);
+        assert_eq!(cut.failed, 6);
+        // Gradient descent does not solve what is hard, so it demonstrates nothing from the straight line.
+        let (descent, _) = check(None, 10, RepairBy::GradientDescent);
+        assert_eq!(descent.failed, 3);
+        assert!(descent.repaired < old.repaired);
+    }
+}

@@ -1,0 +1,66 @@
+//! Obstacles as numbers: centre and size of each bounding box.
+
+use super::centred;
+use crate::error::InvalidInput;
+use crate::objective::Objective;
+use crate::world::{Obstacle, World};
+
+/// `[count x 4]` of bounding box centre and size; shapes only, in the world's order.
+pub(super) fn obstacle_boxes(
+    world: &World,
+    objective: &Objective,
+    count: usize,
+) -> Result<Vec<f32>, InvalidInput> {
+    let obstacles = world.obstacles();
+    if obstacles.len() > count || world.grid().is_some() {
+        let kind = if world.grid().is_some() { "an occupancy grid" } else { "shapes" };
+        return Err(InvalidInput::new(
+            "task.obstacles",
+            format!("{} obstacles ({kind})", obstacles.len()),
+            format!("at most {count} shapes, as the policy's observation obstacles:{count} holds"),
+        ));
+    }
+    let mut out = vec![0.0; 4 * count];
+    for (obstacle, out) in obstacles.iter().zip(out.chunks_mut(4)) {
+        out.copy_from_slice(&centre_and_size(obstacle, objective));
+    }
+    Ok(out)
+}
+
+/// `[count x 4]`, the boxes nearest to the straight line from start to goal; ties keep the world's order.
+pub(super) fn nearest_boxes(
+    world: &World,
+    objective: &Objective,
+    count: usize,
+) -> Result<Vec<f32>, InvalidInput> {
+    if world.grid().is_some() {
+        return Err(InvalidInput::new(
+            "task.grid",
+            "an occupancy grid",
+            format!("shapes only, for the policy's observation nearest-obstacles:{count}"),
+        ));
+    }
+    let mut boxes: Vec<[f32; 4]> =
+        world.obstacles().iter().map(|obstacle| centre_and_size(obstacle, objective)).collect();
+    let (start, goal) =
+        (centred(objective, objective.start()), centred(objective, objective.goal()));
+    let along = [goal[0] - start[0], goal[1] - start[1]];
+    let square = along[0] * along[0] + along[1] * along[1];
+    // From the box's centre to the segment; the size is left out, which keeps the order smooth in it.
+    let from_line = |[x, y, ..]: &[f32; 4]| {
+        let offset = [x - start[0], y - start[1]];
+        let t = (offset[0] * along[0] + offset[1] * along[1]) / square.max(f32::MIN_POSITIVE);
+        let t = t.clamp(0.0, 1.0);
+        (offset[0] - t * along[0]).hypot(offset[1] - t * along[1])
+    };
+    boxes.sort_by(|a, b| from_line(a).total_cmp(&from_line(b)));
+    boxes.resize(count, [0.0; 4]);
+    Ok(boxes.into_iter().flatten().collect())
+}
+
+/// Centre and size of an obstacle's bounding box, from the field's centre in half-extents.
+fn centre_and_size(obstacle: &Obstacle, objective: &Objective) -> [f32; 4] {
+    let (frame, bounds) = (objective.scene().frame(), obstacle.bounding_box());
+    let [min, max] = [bounds.min, bounds.max].map(|p| centred(objective, frame.to_normalised(p)));
+    [0.5 * (min[0] + max[0]), 0.5 * (min[1] + max[1]), max[0] - min[0], max[1] - min[1]]
+}
