@@ -82,25 +82,28 @@ fn cloning_learns_gradient_descent() {
 }
 
 #[test]
-fn dagger_learns_the_shortest_path_where_cloning_cannot() {
-    // What gradient descent never solves; the policy sees start, goal and obstacles. 10 seeds: see the assertion.
+fn dagger_brings_a_wide_observation_to_its_expert() {
+    // The straight line alone solves 30 % of these tasks, the expert (gradient descent, step 0.5) about half.
     let text = |rounds: usize| {
         format!(
             r#"
-            environment_steps = 0
+            environment_steps = {}
             observation = ["gradient", "trajectory", "ends", "nearest-obstacles:6"]
             network = {{ hidden = 64, initialization = "orthogonal" }}
-            training = {{ suite = "hard", count = 200, seed = 1000 }}
-            cloning.epochs = 1
-            dagger = {{ rounds = {rounds}, expert = "shortest-path", minibatches = 150, learning_rate = 2e-3 }}
-            validation = {{ suite = "hard", count = 100, steps = 40, every = 10 }}
-            "#
+            training = {{ suite = "mix", count = 200, seed = 1000 }}
+            cloning.epochs = 0
+            ppo = {{ environments = 1, steps = 1, learning_rate = 1e-9 }}
+            dagger = {{ rounds = {rounds}, expert = "tuned-gradient-descent", minibatches = 150 }}
+            validation = {{ suite = "mix", count = 200, steps = 40, every = 10 }}
+            "#,
+            // One update that changes nothing, so that there is a validation.
+            u8::from(rounds == 0)
         )
     };
     let success = |rounds| finish(trainer(&text(rounds))).best().unwrap().validation.success();
-    let (cloned, imitated) = (success(0), success(10));
-    assert!(cloned < 0.05, "{cloned}");
-    assert!(imitated > 0.2, "{imitated}");
+    let (before, after) = (success(0), success(10));
+    assert!(before < 0.35, "{before}");
+    assert!(after > 0.4, "{after}");
 }
 
 #[test]
