@@ -109,7 +109,35 @@ fn learned_alone(bencher: divan::Bencher) {
     });
 }
 
-/// The same for all tasks in step on one core: one product per layer for so many trajectories.
+/// One step of the shipped policies: what they see, the network and the update, one trajectory at a time.
+#[divan::bench(args = sidestep::shipped::NAMES)]
+fn shipped_alone(bencher: divan::Bencher, name: &str) {
+    let mut batch = batch(&Profile::DEFAULT);
+    let policy = if name == sidestep::shipped::NAMES[0] {
+        sidestep::shipped::sidestep_1()
+    } else {
+        sidestep::shipped::sidestep_1_small()
+    };
+    let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
+    let mut optimizers: Vec<Optimizer> = tasks
+        .iter()
+        .zip(&batch.objectives)
+        .map(|(task, (objective, _))| {
+            let method = Method::Learned(policy.clone());
+            Optimizer::new(&method, task, objective, stream(0, Purpose::Planner, 0, 0)).unwrap()
+        })
+        .collect();
+    let costs: Vec<_> =
+        batch.objectives.iter_mut().zip(&batch.x).map(|((o, _), x)| o.cost(x)).collect();
+    bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
+        let trajectories = batch.objectives.iter_mut().zip(&mut batch.x).zip(&costs);
+        for ((((objective, _), x), cost), optimizer) in trajectories.zip(&mut optimizers) {
+            optimizer.step(x, *cost, &[], objective);
+        }
+    });
+}
+
+/// The perceptron for all tasks in step on one core: one product per layer for so many trajectories.
 #[divan::bench(args = [64, 256])]
 fn learned_in_a_batch(bencher: divan::Bencher, together: usize) {
     let mut batch = batch(&Profile::PAPER);
