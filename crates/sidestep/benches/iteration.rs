@@ -142,7 +142,7 @@ fn shipped_alone(bencher: divan::Bencher, name: &str) {
 fn learned_in_a_batch(bencher: divan::Bencher, together: usize) {
     let mut batch = batch(&Profile::PAPER);
     let policy = Policy::from_safetensors(POLICY).unwrap();
-    let PolicyNetwork::Mlp { network, parts } = policy.network() else { unreachable!() };
+    let PolicyNetwork::Whole { network, parts } = policy.network() else { unreachable!() };
     let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
     let mut encoders: Vec<Encoder> = tasks
         .iter()

@@ -205,11 +205,6 @@ mod tests {
                 assert_eq!(scene.certifier().certify(&task, &smooth), Ok(()), "{label}");
                 assert!(smooth.length() < 1.15 * path.length(), "{label} {}", smooth.length());
                 let clearance = scene.certifier().clearance(&smooth);
-                println!(
-                    "{label} {clearance} {} eps {}",
-                    smooth.length() / path.length(),
-                    scene.typical_clearance() * scene.frame().scale
-                );
                 assert!(scene.certifier().clearance(&path) < 1e-3, "{label}");
             }
         }

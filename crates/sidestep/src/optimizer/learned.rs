@@ -21,6 +21,7 @@ pub(super) struct Learned {
 
 /// What the policy sees with, and its buffers.
 #[derive(Debug)]
+#[allow(clippy::large_enum_variant, reason = "one to a trajectory, and in a box already")]
 enum Sight {
     Whole { encoder: Encoder, observation: Vec<f32>, action: Vec<f32>, scratch: Scratch },
     Waypoints { view: WaypointView, scratch: WaypointScratch },
