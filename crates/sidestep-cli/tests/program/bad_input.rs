@@ -121,7 +121,7 @@ fn flags() {
         ("plan", &["<INPUT>"]),
         ("plan free.json --planner gdd", &["gdd", "did you mean gd?"]),
         ("plan free.json --planner rrtconnect", &["did you mean rrt-connect?"]),
-        ("plan free.json --planner xyzzy12345", &["one of auto, gd"]),
+        ("plan free.json --planner xyzzy12345", &["one of auto, sidestep-1"]),
         ("plan free.json --planner gd:size=1", &["planner.gd", "size", "step"]),
         ("plan free.json --planner shortest-path:step=1", &["planner.shortest-path", "no option"]),
         ("plan free.json --planner gd:step=0", &["planner.gd.step", "0.000000001 to 1000000"]),
