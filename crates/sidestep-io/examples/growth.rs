@@ -25,14 +25,15 @@ type Curve = (&'static str, Vec<[f64; 2]>);
 fn main() {
     let picture = std::env::args().nth(1).unwrap();
     let parts = [
-        ("obstacles", "us per plan, scene included (median of 20)", obstacles()),
+        ("obstacles", "us per plan (median of 20, scene included)", obstacles()),
         ("waypoints", "us per iteration (median of 200)", waypoints()),
         ("tasks", "plans per second, all cores", tasks()),
     ];
     let mut drawing = Picture::new().columns(3);
     let mut report = serde_json::Map::new();
     for (x, y, curves) in &parts {
-        let mut chart = Chart::new("", *x, *y).log_x().log_y();
+        let label = y.split(" (").next().unwrap_or(y);
+        let mut chart = Chart::new("", *x, label).log_x().log_y();
         for (name, points) in curves {
             let band = |p: &[f64; 2]| BandPoint { x: p[0], mean: p[1], low: p[1], high: p[1] };
             chart = chart.curve(*name, &points.iter().map(band).collect::<Vec<_>>());

@@ -37,7 +37,7 @@ struct Row {
 fn main() {
     let count: usize = std::env::args().nth(1).map_or(200, |text| text.parse().unwrap());
     let learned = || Method::Learned(shipped::sidestep_1());
-    let tuned = || Method::GradientDescent { step: Some(10.0) };
+    let descent = || Method::GradientDescent { step: None };
     let row = |name, planner, steps, is_warm| Row {
         name,
         planner,
@@ -52,8 +52,8 @@ fn main() {
     let mut rows = [
         row("sidestep-1, from the last plan", Planner::Optimizer(learned()), 40, true),
         row("sidestep-1, anew", Planner::Optimizer(learned()), 40, false),
-        row("gradient descent, from the last plan", Planner::Optimizer(tuned()), 200, true),
-        row("gradient descent, anew", Planner::Optimizer(tuned()), 200, false),
+        row("gradient descent, from the last plan", Planner::Optimizer(descent()), 200, true),
+        row("gradient descent, anew", Planner::Optimizer(descent()), 200, false),
         row("auto, from the last plan", Planner::Auto(learned()), 40, true),
         row("auto, anew", Planner::Auto(learned()), 40, false),
         row("shortest path, anew", Planner::ShortestPath, 0, false),
