@@ -3,7 +3,7 @@
 use crate::geometry::{Point, distance, lerp};
 
 /// Points that [`Trajectory::roughness`] looks at.
-pub const ROUGHNESS_POINTS: usize = 64;
+const ROUGHNESS_POINTS: usize = 64;
 
 /// Configurations from start to goal, both included, as a flat `[points x 2]` buffer in task units.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -37,7 +37,7 @@ impl Trajectory {
         self.segments().map(|(a, b)| distance(a, b)).sum()
     }
 
-    /// Sum of squared second differences of [`ROUGHNESS_POINTS`] points spread evenly by length: 0 for a straight line, and
+    /// Sum of squared second differences of 64 points spread evenly by length: 0 for a straight line, and
     /// comparable between trajectories of different numbers of points.
     pub fn roughness(&self) -> f64 {
         let even = self.evenly(ROUGHNESS_POINTS);
