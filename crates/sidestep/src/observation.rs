@@ -27,7 +27,7 @@ pub enum ObservationPart {
         /// How many earlier gradients.
         count: usize,
     },
-    /// The waypoints from the field's centre in half-extents ([`centred`]), `[N x 2]`.
+    /// The waypoints from the field's centre in half-extents (`centred`), `[N x 2]`.
     Trajectory,
     /// Centre and size of each obstacle's bounding box in the same units, `[count x 4]`, zero
     /// where there are fewer.
@@ -43,7 +43,7 @@ pub enum ObservationPart {
     },
     /// Start and goal in the same units: 4 numbers.
     Ends,
-    /// The workspace and the trajectory as an image, `[64 x 64]` ([`image`]).
+    /// The workspace and the trajectory as an image, `[64 x 64]` (`image.rs`).
     Image,
 }
 

@@ -16,7 +16,7 @@ use crate::certificate::{Certifier, Violation};
 use crate::error::InvalidInput;
 use crate::objective::{Objective, Scene};
 use crate::optimizer::{Method, Optimizer};
-use crate::profile::Profile;
+use crate::profile::{MAX_WAYPOINTS, Profile};
 use crate::rng::{Purpose, stream};
 use crate::rrt_connect::{RrtConnect, RrtRun};
 use crate::run::{Iteration, Run, Until, run};
@@ -307,6 +307,7 @@ impl Options {
             let fits = (least..=most).contains(&value);
             fits.then_some(()).ok_or_else(|| InvalidInput::new(field, value, allowed()))
         };
+        range("waypoints", self.waypoints(), 1, MAX_WAYPOINTS)?;
         range("starts", self.starts, 1, MAX_STARTS)?;
         range("steps", self.steps, 0, MAX_STEPS)
     }

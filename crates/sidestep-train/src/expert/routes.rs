@@ -1,6 +1,6 @@
 //! Routes of a task as trajectories of N waypoints: the exact shortest path, and different ways round.
 //!
-//! Paths are found among obstacles that are grown by a margin, the largest of [`MARGINS`] that makes the path little longer
+//! Paths are found among obstacles that are grown by a margin, the largest of `MARGINS` that makes the path little longer
 //! than the shortest one, so that what learns from them does not scrape along obstacles. An alternative
 //! leads through a random via-point and is then pulled taut; it is kept if it is not much longer and differs from the others.
 //! A path becomes waypoints by spreading them evenly, and where that would cut a corner, by putting one on every corner.
