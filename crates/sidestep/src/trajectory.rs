@@ -51,11 +51,11 @@ impl Trajectory {
         if points.len() < 2 || count < 2 {
             return points.to_vec();
         }
-        let step = self.length() / (count - 1) as f64;
+        let total = self.length();
         let (mut leg, mut passed) = (0, 0.0);
         let mut even = Vec::with_capacity(count);
         for i in 0..count - 1 {
-            let target = step * i as f64;
+            let target = total * i as f64 / (count - 1) as f64;
             let mut length = distance(points[leg], points[leg + 1]);
             while passed + length < target && leg + 2 < points.len() {
                 passed += length;

@@ -47,7 +47,8 @@ pub fn nearest<'a>(targets: &'a [Target], x: &[f32]) -> Option<&'a [f32]> {
     Some(&best.waypoints)
 }
 
-fn mean_distance(a: &[f32], b: &[f32]) -> f32 {
+/// Mean distance of the waypoints of two trajectories `[N x 2]`.
+pub fn mean_distance(a: &[f32], b: &[f32]) -> f32 {
     let (a, b) = (a.as_chunks::<2>().0, b.as_chunks::<2>().0);
     let sum: f32 = a.iter().zip(b).map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1])).sum();
     sum / a.len().max(1) as f32

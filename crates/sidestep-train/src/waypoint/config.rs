@@ -1,9 +1,12 @@
 //! The configuration of a waypoint policy's training, checked once.
 
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-use sidestep::InvalidInput;
 use sidestep::network::WaypointShape;
+use sidestep::suite::{candidate, varied};
 use sidestep::waypoint_view::Probes;
+use sidestep::{InvalidInput, Task};
 
 use crate::config::toml_file;
 
@@ -139,6 +142,17 @@ pub struct WaypointValidationConfig {
     pub every: u64,
     /// Iterations per task.
     pub steps: usize,
+}
+
+impl TaskConfig {
+    /// The training task of that number; `rng` decides its kind.
+    pub(super) fn draw(&self, number: u64, rng: &mut ChaCha8Rng) -> Task {
+        if rng.random::<f32>() < self.varied {
+            varied(self.seed, number)
+        } else {
+            candidate(self.seed, number)
+        }
+    }
 }
 
 impl Default for WaypointConfig {
@@ -283,9 +297,6 @@ impl WaypointConfig {
         }
         if !(0.0..=0.9).contains(&imitation.retry) {
             return refuse("imitation.retry", &imitation.retry, "a number from 0 to 0.9");
-        }
-        if tasks.direct == 0.0 && tasks.varied == 1.0 && imitation.groups == 0 {
-            return refuse("tasks.direct", &tasks.direct, "above 0");
         }
         for (field, value) in [
             ("imitation.hinge", imitation.hinge),

@@ -13,17 +13,15 @@
 //! which is the score of the noise modes: what lies outside of them is not explored and not learned here. Tasks whose
 //! walks all end alike teach nothing.
 
-use rand::RngExt;
 use sidestep::network::{WaypointNet, WaypointScratch};
 use sidestep::objective::{Objective, Scene};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::suite::{candidate, varied};
 use sidestep::waypoint_view::WaypointView;
 use std::sync::Arc;
 
 use super::config::PolicyGradientConfig;
-use super::imitation::{GROUP, Recipe, Sums};
+use super::imitation::{GROUP, PIXEL, Recipe, Sums};
 use crate::gaussian::standard_normal;
 
 const MODES: usize = 4;
@@ -80,11 +78,7 @@ impl Walks {
         number: u64,
     ) -> bool {
         let mut rng = stream(recipe.seed, Purpose::Environment, number, 0);
-        let is_varied = rng.random::<f32>() < recipe.tasks.varied;
-        let task = match is_varied {
-            true => varied(recipe.tasks.seed, number),
-            false => candidate(recipe.tasks.seed, number),
-        };
+        let task = recipe.tasks.draw(number, &mut rng);
         let waypoints = Profile::DEFAULT.waypoints;
         let scene = Arc::new(Scene::of(&task, &Profile::DEFAULT));
         if scene.certifier().segment_is_free(task.start, task.goal) {
@@ -103,7 +97,7 @@ impl Walks {
             .collect();
         let (stride, dim) = (net.input_stride(), waypoints * net.input_stride());
         let shapes = Shapes::new(waypoints);
-        let gain = recipe.rule.scale / 0.1;
+        let gain = recipe.rule.scale / PIXEL;
         let sigma = settings.noise_pixels / gain;
         for step in 0..=settings.steps {
             let mut active = Vec::with_capacity(walks.len());

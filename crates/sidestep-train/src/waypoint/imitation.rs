@@ -21,19 +21,19 @@ use sidestep::policy::ActionRule;
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::starts::{StartStrategy, bend};
-use sidestep::suite::{candidate, varied};
 use sidestep::waypoint_view::{Probes, WaypointView};
 use std::sync::Arc;
 
 use super::config::{ImitationConfig, TaskConfig};
-use super::routes::{self, Target};
+use super::routes;
+use crate::expert::routes::{Target, nearest};
 
 /// Tasks of one case group; groups run in parallel and are added up in order.
 pub(super) const GROUP: usize = 4;
 /// Trajectories per task.
 pub(super) const MEMBERS: usize = 4;
 /// A pixel of the paper's field in normalised units.
-const PIXEL: f32 = 0.1;
+pub(super) const PIXEL: f32 = 0.1;
 /// Points of each segment that the hinge sees.
 const HINGE_POINTS: usize = 4;
 /// Candidate tasks that a group may draw in a unit; keeps the groups' tasks apart.
@@ -228,19 +228,12 @@ impl Group {
             };
             // What a number stands for must not depend on when it is drawn.
             let mut own = stream(recipe.seed, Purpose::Imitation, number, 1 << 40);
-            let is_varied = own.random::<f32>() < recipe.tasks.varied;
-            let task = match is_varied {
-                true => varied(recipe.tasks.seed, number),
-                false => candidate(recipe.tasks.seed, number),
-            };
-            let is_direct = {
-                let certifier = sidestep::Certifier::new(&task.world, task.robot);
-                certifier.segment_is_free(task.start, task.goal)
-            };
+            let task = recipe.tasks.draw(number, &mut own);
+            let scene = Arc::new(Scene::of(&task, &Profile::DEFAULT));
+            let is_direct = scene.certifier().segment_is_free(task.start, task.goal);
             if is_direct && own.random::<f32>() >= recipe.tasks.direct {
                 continue;
             }
-            let scene = Arc::new(Scene::of(&task, &Profile::DEFAULT));
             let Ok(objective) = Objective::new(&task, scene, self.waypoints) else { continue };
             let targets = routes::targets(&task, &objective, &mut own);
             if targets.is_empty() {
@@ -290,9 +283,7 @@ fn loss(
     d_output: &mut Vec<[f32; 2]>,
 ) -> f64 {
     let (from, to) = (before.as_chunks::<2>().0, after.as_chunks::<2>().0);
-    let cost =
-        |target: &&Target| routes::mean_distance(&target.waypoints, from) + 0.15 * target.extra;
-    let nearest = targets.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+    let target = nearest(targets, before).map(|target| target.as_chunks::<2>().0);
     let mut pull = vec![[0.0_f32; 2]; to.len()];
     let mut total = hinge(objective, to, hinge_weight, &mut pull);
     let [c, s] = along;
@@ -303,8 +294,8 @@ fn loss(
         // The hinge's pull is in field axes, the output in frame axes.
         let mut slope =
             [gain * (c * pull[i][0] + s * pull[i][1]), gain * (c * pull[i][1] - s * pull[i][0])];
-        if let Some(target) = nearest {
-            let wish = [0, 1].map(|a| 0.5 * (target.waypoints[i][a] - from[i][a]) / PIXEL);
+        if let Some(target) = target {
+            let wish = [0, 1].map(|a| 0.5 * (target[i][a] - from[i][a]) / PIXEL);
             let size = wish[0].hypot(wish[1]);
             let factor = if size > 8.0 { 8.0 / size } else { 1.0 };
             let wish = [factor * (c * wish[0] + s * wish[1]), factor * (c * wish[1] - s * wish[0])];
@@ -363,6 +354,7 @@ mod tests {
     use super::*;
     use rand_chacha::rand_core::SeedableRng;
     use sidestep::rng::standard_normal;
+    use sidestep::suite::candidate;
 
     /// Slopes of the loss with respect to the outputs, one coordinate at a time, against differences of the loss.
     #[test]

@@ -8,7 +8,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use sidestep::geometry::{Point, Rect, cross, distance, lerp, sub};
 use sidestep::objective::Objective;
-use sidestep::{Certifier, Obstacle, Robot, Route, ShortestPath, Task, World};
+use sidestep::{Certifier, Obstacle, Robot, Route, ShortestPath, Task, Trajectory, World};
+
+use crate::expert::routes::{Target, mean_distance};
 
 /// Margins that are tried, widest first, in normalised units.
 const MARGINS: [f64; 5] = [0.25, 0.15, 0.08, 0.035, 0.005];
@@ -21,23 +23,12 @@ const APART: f32 = 0.5;
 /// Rounds of pulling taut before an alternative is given up.
 const PULLS: usize = 24;
 
-/// A trajectory to imitate.
-#[derive(Debug, Clone)]
-pub(super) struct Target {
-    /// Normalised units.
-    pub waypoints: Vec<[f32; 2]>,
-    /// Its length beyond the best trajectory's, in normalised units.
-    pub extra: f32,
-}
-
 /// The trajectories for a task of rectangles, best first; none if the task has no solution that leaves any room.
 pub(super) fn targets(task: &Task, objective: &Objective, rng: &mut ChaCha8Rng) -> Vec<Target> {
     let scale = objective.scene().frame().scale;
     let truth = objective.scene().certifier();
-    let shortest = match ShortestPath::of(truth.clone()).find(task.start, task.goal) {
-        Route::Found { length, .. } => length,
-        _ => return Vec::new(),
-    };
+    let route = objective.scene().shortest_path().find(task.start, task.goal);
+    let Some(shortest) = route.length() else { return Vec::new() };
     let mut targets = Vec::new();
     for margin in MARGINS.map(|margin| margin * scale) {
         let Some(mut grown) = Grown::new(task, margin) else { continue };
@@ -67,12 +58,6 @@ pub(super) fn targets(task: &Task, objective: &Objective, rng: &mut ChaCha8Rng) 
         break;
     }
     targets
-}
-
-/// Mean distance of the waypoints of two trajectories.
-pub(super) fn mean_distance(a: &[[f32; 2]], b: &[[f32; 2]]) -> f32 {
-    let sum: f32 = a.iter().zip(b).map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1])).sum();
-    sum / a.len() as f32
 }
 
 /// The task's world with grown rectangles.
@@ -182,7 +167,7 @@ impl Grown {
 }
 
 /// N waypoints along `path`, evenly spaced; where that would cut a corner, with waypoints at all corners.
-fn resample(path: &[Point], objective: &Objective, truth: &Certifier) -> Option<Vec<[f32; 2]>> {
+fn resample(path: &[Point], objective: &Objective, truth: &Certifier) -> Option<Vec<f32>> {
     let free = |points: &[Point]| {
         let (start, goal) = (path[0], path[path.len() - 1]);
         let all: Vec<Point> =
@@ -190,7 +175,8 @@ fn resample(path: &[Point], objective: &Objective, truth: &Certifier) -> Option<
         all.windows(2).all(|w| truth.segment_is_free(w[0], w[1]))
     };
     let count = objective.waypoints();
-    let mut points = evenly(path, count);
+    let even = Trajectory::from_points(path).evenly(count + 2);
+    let mut points = even[1..=count].to_vec();
     if !free(&points) {
         points = cornered(path, count)?;
         if !free(&points) {
@@ -198,24 +184,7 @@ fn resample(path: &[Point], objective: &Objective, truth: &Certifier) -> Option<
         }
     }
     let frame = objective.scene().frame();
-    Some(points.into_iter().map(|p| frame.to_normalised(p)).collect())
-}
-
-fn evenly(path: &[Point], count: usize) -> Vec<Point> {
-    let total: f64 = path.windows(2).map(|w| distance(w[0], w[1])).sum();
-    let (mut leg, mut passed) = (0, 0.0);
-    let point = |i: usize| {
-        let target = total * (i + 1) as f64 / (count + 1) as f64;
-        let mut length = distance(path[leg], path[leg + 1]);
-        while passed + length < target && leg + 2 < path.len() {
-            passed += length;
-            leg += 1;
-            length = distance(path[leg], path[leg + 1]);
-        }
-        let t = if length > 0.0 { ((target - passed) / length).clamp(0.0, 1.0) } else { 0.0 };
-        lerp(path[leg], path[leg + 1], t)
-    };
-    (0..count).map(point).collect()
+    Some(points.into_iter().flat_map(|p| frame.to_normalised(p)).collect())
 }
 
 /// All corners, and the other waypoints shared out over the legs by length.
@@ -257,7 +226,7 @@ mod tests {
             let mut rng = stream(5, Purpose::Imitation, index, 0);
             let targets = targets(&task, &objective, &mut rng);
             for target in &targets {
-                assert!(objective.is_certified(target.waypoints.as_flattened()), "{}", task.name);
+                assert!(objective.is_certified(&target.waypoints), "{}", task.name);
             }
             for (i, target) in targets.iter().enumerate() {
                 for other in &targets[..i] {

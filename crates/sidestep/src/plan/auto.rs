@@ -43,13 +43,11 @@ pub(super) fn auto(
             return Ok(straight(certifier, task, options.waypoints()));
         }
     }
-    let optimized = match method {
-        Method::Learned(_) => {
-            let options = Options { steps: options.steps.min(LEARNED_STEPS), ..options.clone() };
-            optimize(scene, task, method, &options, watch)?
-        }
-        _ => optimize(scene, task, method, options, watch)?,
+    let steps = match method {
+        Method::Learned(_) => options.steps.min(LEARNED_STEPS),
+        _ => options.steps,
     };
+    let optimized = optimize(scene, task, method, &Options { steps, ..options.clone() }, watch)?;
     let is_short = |plan: &Plan, shortest: f64| {
         let length = plan.trajectory.as_ref().map_or(f64::INFINITY, Trajectory::length);
         plan.status == Status::Solved && length <= LONGEST * shortest
