@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clap::Args;
 use sidestep::error::InvalidInput;
 use sidestep::optimizer::Method;
-use sidestep::plan::{Options, Planner};
+use sidestep::plan::{Auto, Options, Planner};
 use sidestep::planner_name::parse_planner;
 use sidestep::policy::Policy;
 use sidestep::profile::Profile;
@@ -47,7 +47,7 @@ impl PlanningArgs {
     pub fn options(&self, extent: f64, planners: &[&Planner]) -> Result<Options, Failure> {
         let policy = planners.iter().find_map(|planner| match planner {
             Planner::Optimizer(Method::Learned(policy))
-            | Planner::Auto(Method::Learned(policy)) => Some(policy),
+            | Planner::Auto(Auto { quick: Method::Learned(policy), .. }) => Some(policy),
             _ => None,
         });
         let default_profile = policy.and_then(|policy| policy.fixed_profile()).unwrap_or("default");

@@ -8,10 +8,10 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use rayon::prelude::*;
-use sidestep::plan::{Options, Planner, Status, plan};
+use sidestep::plan::{Auto, Options, Planner, Status, plan};
 use sidestep::profile::Profile;
 use sidestep::suite::Suite;
-use sidestep::{Obstacle, Task, shipped};
+use sidestep::{Obstacle, Task};
 
 /// Test seeds of the suites easy and hard.
 const SEEDS: [u64; 5] = [2, 12, 22, 32, 42];
@@ -21,7 +21,7 @@ const FINE: usize = 8;
 fn main() {
     let count: usize = std::env::args().nth(1).map_or(100_000, |text| text.parse().unwrap());
     let begin = Instant::now();
-    let planner = Planner::Auto(sidestep::optimizer::Method::Learned(shipped::sidestep_1()));
+    let planner = Planner::Auto(Auto::default());
     let options = Options::default();
     let share = count / (SEEDS.len() * 10);
     let (mut easy, mut hard) = (Tally::default(), Tally::default());

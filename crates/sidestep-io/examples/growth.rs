@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use sidestep::geometry::Rect;
 use sidestep::objective::{Objective, Scene};
 use sidestep::optimizer::{Method, Optimizer};
-use sidestep::plan::{Options, Planner, plan_batch, plan_in};
+use sidestep::plan::{Auto, Options, Planner, plan_batch, plan_in};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::run::{Until, run};
@@ -83,7 +83,7 @@ fn obstacles() -> Vec<Curve> {
         ("sidestep-1, 40 steps", Planner::Optimizer(learned()), 40),
         ("gradient descent, 200 steps", Planner::Optimizer(descent), 200),
         ("shortest path", Planner::ShortestPath, 0),
-        ("auto", Planner::Auto(learned()), 40),
+        ("auto", Planner::Auto(Auto::default()), 40),
     ];
     let time = |planner: &Planner, steps: usize, count: usize| {
         let once = |index: u64| {
@@ -136,7 +136,7 @@ fn waypoints() -> Vec<Curve> {
 
 fn tasks() -> Vec<Curve> {
     let planners = [
-        ("auto", Planner::Auto(learned())),
+        ("auto", Planner::Auto(Auto::default())),
         ("sidestep-1", Planner::Optimizer(learned())),
         ("sidestep-1-small", Planner::Optimizer(Method::Learned(shipped::sidestep_1_small()))),
     ];

@@ -11,7 +11,7 @@ use rand::RngExt;
 use sidestep::geometry::Rect;
 use sidestep::objective::Scene;
 use sidestep::optimizer::Method;
-use sidestep::plan::{Options, Planner, Status, plan_in};
+use sidestep::plan::{Auto, Options, Planner, Status, plan_in};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::suite::Suite;
@@ -54,8 +54,8 @@ fn main() {
         row("sidestep-1, anew", Planner::Optimizer(learned()), 40, false),
         row("gradient descent, from the last plan", Planner::Optimizer(descent()), 200, true),
         row("gradient descent, anew", Planner::Optimizer(descent()), 200, false),
-        row("auto, from the last plan", Planner::Auto(learned()), 40, true),
-        row("auto, anew", Planner::Auto(learned()), 40, false),
+        row("auto, from the last plan", Planner::Auto(Auto::default()), 40, true),
+        row("auto, anew", Planner::Auto(Auto::default()), 40, false),
         row("shortest path, anew", Planner::ShortestPath, 0, false),
     ];
     let begin = Instant::now();

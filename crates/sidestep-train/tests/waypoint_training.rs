@@ -16,9 +16,9 @@ fn config() -> WaypointConfig {
     };
     config.network.width = 16;
     config.network.dilations = vec![1];
-    config.imitation.groups = 2;
+    config.imitation.tasks = 4;
     config.imitation.steps = 1;
-    config.policy_gradient.groups = 1;
+    config.policy_gradient.tasks = 3;
     config.policy_gradient.walks = 2;
     config.policy_gradient.steps = 4;
     config.validation.count = 30;
@@ -86,7 +86,7 @@ fn bad_configurations_name_field_value_and_range() {
     check("[tasks]\nseed = 2", "tasks.seed: 2");
     check("[tasks]\nwaypoints = [9, 3]", "tasks.waypoints: [9, 3]");
     check("[validation]\nseed = 1", "validation.seed: 1");
-    check("[imitation]\ngroups = 0", "imitation.groups: 0");
+    check("[imitation]\ntasks = 0", "imitation.tasks: 0");
     check(
         "[[stages]]\nkind = \"imitation\"\nupdates = -1\nlearning_rate = 1.0",
         "stages.updates: -1",

@@ -7,6 +7,8 @@
 
 mod auto;
 
+pub use auto::Auto;
+
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -34,8 +36,8 @@ pub enum Planner {
     RrtConnect(RrtConnect),
     /// The exact shortest path.
     ShortestPath,
-    /// The optimizer; where that fails or finds a detour, the exact shortest path made smooth.
-    Auto(Method),
+    /// Optimizers; where those fail or find a detour, the exact shortest path made smooth.
+    Auto(Auto),
 }
 
 /// When planning ends.
@@ -285,7 +287,7 @@ pub fn plan_in(
             Ok(or_proof(tree(scene.certifier(), task, rrt, options), scene, task, options))
         }
         Planner::ShortestPath => Ok(shortest(scene, task)),
-        Planner::Auto(method) => auto::auto(scene, task, method, options, watch),
+        Planner::Auto(auto) => auto.plan(scene, task, options, watch),
     }
 }
 

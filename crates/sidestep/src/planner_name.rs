@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use crate::error::InvalidInput;
 use crate::optimizer::Method;
-use crate::plan::Planner;
+use crate::plan::{Auto, Planner};
 use crate::policy::Policy;
 use crate::rrt_connect::RrtConnect;
 use crate::shipped;
 
 /// Every planner name with its options and what it is, for help and suggestions.
 pub const PLANNERS: [(&str, &str, &str); 14] = [
-    ("auto", "", "an optimizer, then the exact shortest path made smooth (default)"),
+    ("auto", "", "the shipped policies, then the exact shortest path made smooth (default)"),
     ("sidestep-1", "", "the shipped policy"),
     ("sidestep-1-small", "", "a smaller and faster one"),
     ("gd", "step", "gradient descent"),
@@ -38,11 +38,6 @@ pub fn nearest_name<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, candidate)| candidate)
 }
 
-/// The optimizer of `auto`.
-fn auto_method() -> Method {
-    Method::Learned(shipped::sidestep_1())
-}
-
 /// Parses a planner name; `load` reads the policy at a path.
 ///
 /// # Errors
@@ -57,7 +52,7 @@ pub fn parse_planner(
         return Ok(Planner::Optimizer(Method::Learned(load(rest)?)));
     }
     if name == "auto-with" {
-        return Ok(Planner::Auto(Method::Learned(load(rest)?)));
+        return Ok(Planner::Auto(Auto::with(Method::Learned(load(rest)?))));
     }
     let Some((_, known, _)) = PLANNERS.iter().find(|(planner, ..)| *planner == name) else {
         let names = PLANNERS.map(|(planner, ..)| planner);
@@ -72,7 +67,7 @@ pub fn parse_planner(
     let options = Settings::parse(name, rest, known)?;
     let optimizer = |method| Ok(Planner::Optimizer(method));
     match name {
-        "auto" => Ok(Planner::Auto(auto_method())),
+        "auto" => Ok(Planner::Auto(Auto::default())),
         "gd" => optimizer(Method::GradientDescent { step: options.step()? }),
         "gd-line-search" => optimizer(Method::LineSearch { step: options.step()?.unwrap_or(4.0) }),
         "momentum" => optimizer(Method::Momentum {

@@ -16,7 +16,7 @@ use crate::network::{Cnn, Mlp, Network, Part, WaypointNet, WaypointShape};
 use crate::observation::{ObservationPart, image_place, observation_len};
 use crate::profile::{MAX_WAYPOINTS, Profile};
 use crate::tensors::{self, Reader, Tensor};
-use crate::waypoint_view::Probes;
+use crate::waypoint_view::ViewParts;
 
 /// The version of the policy file that this program writes and reads.
 pub const FORMAT: &str = "sidestep.policy/1";
@@ -85,7 +85,7 @@ pub struct PolicyCard {
     pub sizes: Vec<usize>,
     /// Waypoints N of the trajectories that it updates; a `waypoint` network was trained mostly for so many.
     pub waypoints: usize,
-    /// Names of the observation's parts, in order; see [`ObservationPart::named`] and [`Probes::from_parts`].
+    /// Names of the observation's parts, in order; see [`ObservationPart::named`] and [`ViewParts::from_names`].
     pub observation: Vec<String>,
     /// Name of the profile that it was trained in; an `mlp` serves no other.
     pub profile: String,
@@ -109,8 +109,8 @@ pub enum PolicyNetwork {
     },
     /// Sees each waypoint with its surroundings.
     Waypoint {
-        /// The view's probes.
-        probes: Probes,
+        /// What the view is made of.
+        view: ViewParts,
         /// From the view's rows to updates.
         network: WaypointNet,
     },
@@ -149,8 +149,8 @@ impl Policy {
         card.sizes = vec![shape.inputs, shape.width];
         card.sizes.extend_from_slice(&shape.dilations);
         check_card(&card)?;
-        let (probes, _) = check_waypoint(&card)?;
-        Ok(Self { card, network: PolicyNetwork::Waypoint { probes, network } })
+        let (view, _) = check_waypoint(&card)?;
+        Ok(Self { card, network: PolicyNetwork::Waypoint { view, network } })
     }
 
     /// The card.
@@ -221,9 +221,9 @@ impl Policy {
         check_card(&card)?;
         let network = match card.architecture.as_str() {
             WAYPOINT => {
-                let (probes, shape) = check_waypoint(&card)?;
+                let (view, shape) = check_waypoint(&card)?;
                 let parameters = read_layers(&mut reader, &shape.layer_sizes(), "")?;
-                PolicyNetwork::Waypoint { probes, network: WaypointNet::new(&shape, parameters)? }
+                PolicyNetwork::Waypoint { view, network: WaypointNet::new(&shape, parameters)? }
             }
             _ => {
                 let parts = check_whole(&card)?;
@@ -332,16 +332,17 @@ fn check_card(card: &PolicyCard) -> Result<(), InvalidInput> {
     card.action.check()
 }
 
-/// The probes and the network's shape of a card of the architecture [`WAYPOINT`].
-fn check_waypoint(card: &PolicyCard) -> Result<(Probes, WaypointShape), InvalidInput> {
+/// The view and the network's shape of a card of the architecture [`WAYPOINT`].
+fn check_waypoint(card: &PolicyCard) -> Result<(ViewParts, WaypointShape), InvalidInput> {
     let inside = |error: InvalidInput| error.inside("policy");
-    let probes = Probes::from_parts(&card.observation).map_err(inside)?;
-    let row = probes.row_len();
+    let view = ViewParts::from_names(&card.observation).map_err(inside)?;
+    let row = view.row_len();
     match card.sizes[..] {
         [inputs, width, ref dilations @ ..] if inputs == row => {
-            let shape = WaypointShape { inputs, width, dilations: dilations.to_vec() };
+            let (dilations, map) = (dilations.to_vec(), view.map.clone());
+            let shape = WaypointShape { inputs, width, dilations, map };
             shape.parameter_count().map_err(inside)?;
-            Ok((probes, shape))
+            Ok((view, shape))
         }
         _ => Err(InvalidInput::new(
             "policy.sizes",

@@ -13,14 +13,18 @@
 //! | 1, 1, 2 | signed distance at the waypoint: coarse (clamped to 1.2, /0.6), fine (clamped to 0.15, /0.15); its gradient |
 //! | 7, 7 | of the segment before, and of the one after: coarse distance at 3 points; the least of them fine; its gradient; whether it is free by the certificate |
 //! | R x K | coarse distance at K directions on each of R circles around the waypoint |
-//!
-//! The circles see the surroundings of all waypoints together; no map is needed besides.
+//! | 5 x C | of a view with a map ([`TaskMap`]), its features at the waypoint and around it |
+
+mod map;
+mod parts;
 
 use crate::distance::{Field, LANES, Samples};
-use crate::error::InvalidInput;
 use crate::kernels::{Isa, dispatch};
 use crate::objective::Objective;
 use crate::policy::ActionRule;
+
+pub use map::TaskMap;
+pub use parts::{PART, Probes, ViewParts};
 
 /// Numbers of a row besides the probes.
 const OWN: usize = 34;
@@ -30,83 +34,6 @@ const ON_SEGMENT: usize = 3;
 const COARSE: f32 = 1.2;
 /// Fine distances are clamped to this.
 const FINE: f32 = 0.15;
-/// Most probes of a waypoint.
-const MAX_PROBES: usize = 1024;
-
-/// The probes of a view, as in `probes:12x0.25,0.6,1.1`: so many directions on circles of these radii.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Probes {
-    /// Directions per circle.
-    pub directions: usize,
-    /// Radii, in normalised units.
-    pub radii: Vec<f32>,
-}
-
-/// Name of the part of the observation that every view has.
-pub const PART: &str = "waypoints";
-
-impl Probes {
-    /// The probes of an observation: the parts [`PART`] and `probes:..`, in that order.
-    ///
-    /// # Errors
-    /// If the parts are others.
-    pub fn from_parts(parts: &[String]) -> Result<Self, InvalidInput> {
-        match parts {
-            [first, probes] if first == PART => Self::named(probes),
-            _ => {
-                let allowed = format!("{PART}, then probes:KxR1,R2,..");
-                Err(InvalidInput::new("observation", parts.join(", "), allowed))
-            }
-        }
-    }
-
-    /// The probes of that name.
-    ///
-    /// # Errors
-    /// If the text is not `probes:KxR1,R2,..` with K and the radii in range.
-    pub fn named(name: &str) -> Result<Self, InvalidInput> {
-        let parsed = name.strip_prefix("probes:").and_then(|rest| {
-            let (directions, radii) = rest.split_once('x')?;
-            let radii: Option<Vec<f32>> = radii.split(',').map(|r| r.parse().ok()).collect();
-            Some(Self { directions: directions.parse().ok()?, radii: radii? })
-        });
-        parsed
-            .filter(|probes| {
-                let radii = probes.radii.iter().all(|r| *r > 0.0 && *r <= 100.0);
-                radii
-                    && (1..=MAX_PROBES).contains(&probes.directions)
-                    && probes.radii.len() <= MAX_PROBES / probes.directions
-            })
-            .ok_or_else(|| {
-                InvalidInput::new(
-                    "observation",
-                    name,
-                    format!("probes:KxR1,R2,.. with radii above 0 and up to {MAX_PROBES} probes"),
-                )
-            })
-    }
-
-    /// The name of these probes.
-    pub fn name(&self) -> String {
-        let radii: Vec<String> = self.radii.iter().map(f32::to_string).collect();
-        format!("probes:{}x{}", self.directions, radii.join(","))
-    }
-
-    /// Numbers of a view's row.
-    pub fn row_len(&self) -> usize {
-        OWN + self.directions * self.radii.len()
-    }
-
-    /// Offsets in frame axes, circle by circle.
-    fn offsets(&self) -> impl Iterator<Item = [f32; 2]> + '_ {
-        self.radii.iter().flat_map(move |&radius| {
-            (0..self.directions).map(move |k| {
-                let angle = k as f64 / self.directions as f64 * std::f64::consts::TAU;
-                [radius * angle.cos() as f32, radius * angle.sin() as f32]
-            })
-        })
-    }
-}
 
 /// The view of one trajectory of one task, with what it remembers from earlier steps.
 #[derive(Debug, Clone)]
@@ -149,9 +76,7 @@ impl WaypointView {
     pub fn new(probes: &Probes, objective: &Objective) -> Self {
         let waypoints = objective.waypoints();
         let (start, goal) = (objective.start(), objective.goal());
-        let (dx, dy) = (goal[0] - start[0], goal[1] - start[1]);
-        let length = dx.hypot(dy);
-        let along = if length > 1e-6 { [dx / length, dy / length] } else { [1.0, 0.0] };
+        let (length, along) = direction(start, goal);
         let scene = objective.scene();
         let bounds = scene.certifier().bounds();
         let [min_x, min_y] = scene.frame().to_normalised(bounds.min);
@@ -204,8 +129,16 @@ impl WaypointView {
         self.is_free
     }
 
-    /// Writes the rows of the waypoints `x [N x 2]` to `out [N x stride]`, `stride` at least the row's length.
-    pub fn encode(&mut self, objective: &Objective, x: &[f32], out: &mut [f32], stride: usize) {
+    /// Writes the rows of the waypoints `x [N x 2]` to `out [N x stride]`, `stride` at least the row's length; `map` is the
+    /// task's, read by the network, where the view has one.
+    pub fn encode(
+        &mut self,
+        objective: &Objective,
+        x: &[f32],
+        map: Option<&TaskMap>,
+        out: &mut [f32],
+        stride: usize,
+    ) {
         let points = x.as_chunks::<2>().0;
         if self.age == 0 {
             self.is_bent = self.bends(points);
@@ -227,16 +160,27 @@ impl WaypointView {
             blocked as f32 / (self.waypoints + 1) as f32,
         ];
         for (i, row) in out.chunks_exact_mut(stride).take(self.waypoints).enumerate() {
-            self.write_row(i, points, &shared, row);
+            let rest = self.write_row(i, points, &shared, row);
+            rest.fill(0.0);
+            if let Some(map) = map {
+                map.read(points[i], rest);
+            }
         }
     }
 
-    fn write_row(&self, i: usize, points: &[[f32; 2]], shared: &[f32; 5], row: &mut [f32]) {
+    /// Writes all but the map's features, and returns what is left of the row.
+    fn write_row<'a>(
+        &self,
+        i: usize,
+        points: &[[f32; 2]],
+        shared: &[f32; 5],
+        row: &'a mut [f32],
+    ) -> &'a mut [f32] {
         let before = if i > 0 { points[i - 1] } else { self.start };
         let after = points.get(i + 1).copied().unwrap_or(self.goal);
         let samples = &self.buffers.samples;
         let at = points[i];
-        let mut rest = &mut row[..];
+        let mut rest = row;
         let mut put = |values: &[f32]| {
             let (head, tail) = std::mem::take(&mut rest).split_at_mut(values.len());
             head.copy_from_slice(values);
@@ -272,7 +216,7 @@ impl WaypointView {
         for (out, &distance) in head.iter_mut().zip(&self.buffers.probe[i * probes..]) {
             *out = coarse(distance);
         }
-        tail.fill(0.0);
+        tail
     }
 
     /// Whether the waypoints leave the straight line by more than half a pixel.
@@ -311,6 +255,13 @@ impl WaypointView {
     pub fn along(&self) -> [f32; 2] {
         self.along
     }
+}
+
+/// Distance from start to goal, and the direction.
+fn direction(start: [f32; 2], goal: [f32; 2]) -> (f32, [f32; 2]) {
+    let (dx, dy) = (goal[0] - start[0], goal[1] - start[1]);
+    let length = dx.hypot(dy);
+    (length, if length > 1e-6 { [dx / length, dy / length] } else { [1.0, 0.0] })
 }
 
 fn coarse(distance: f32) -> f32 {
@@ -379,144 +330,4 @@ fn measure_body<const ISA: u8>(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::{Point, Rect};
-    use crate::objective::Scene;
-    use crate::profile::Profile;
-    use crate::suite::{candidate, varied};
-    use crate::task::Task;
-    use crate::world::{Obstacle, World};
-    use std::sync::Arc;
-
-    fn probes() -> Probes {
-        Probes::named("probes:8x0.5,2").unwrap()
-    }
-
-    fn objective(task: &Task, profile: &Profile) -> Objective {
-        Objective::new(task, Arc::new(Scene::of(task, profile)), 7).unwrap()
-    }
-
-    /// The task turned by a right angle about the middle of its field.
-    fn turned(task: &Task) -> Task {
-        let place = |p: Point| [64.0 - p[1], p[0]];
-        let rect = |obstacle: &Obstacle| {
-            let Rect { min, max } = obstacle.bounding_box();
-            let (a, b) = (place(min), place(max));
-            Obstacle::Rect(Rect::new([b[0], a[1]], [a[0], b[1]]).unwrap())
-        };
-        let obstacles = task.world.obstacles().iter().map(rect).collect();
-        let world = Arc::new(World::new(task.world.bounds(), obstacles, None));
-        let (start, goal) = (place(task.start), place(task.goal));
-        Task { world, start, goal, ..task.clone() }
-    }
-
-    #[test]
-    fn a_turned_world_looks_the_same() {
-        for index in 0..20 {
-            let task = if index % 2 == 0 { candidate(1000, index) } else { varied(1000, index) };
-            let mut seen = Vec::new();
-            for task in [task.clone(), turned(&task)] {
-                let objective = objective(&task, &Profile::DEFAULT);
-                let mut view = WaypointView::new(&probes(), &objective);
-                let mut x = vec![0.0; 14];
-                objective.straight_line(&mut x);
-                let stride = probes().row_len() + 3;
-                let mut rows = vec![9.0; 7 * stride];
-                view.encode(&objective, &x, &mut rows, stride);
-                view.apply(&ActionRule::PAPER, |i| [0.1 * i as f32, 0.3], &mut x);
-                view.encode(&objective, &x, &mut rows, stride);
-                seen.push((rows, view.is_free()));
-            }
-            assert_eq!(seen[0].1, seen[1].1);
-            // Where two obstacles are equally near, the gradient may be either's; allow for a few.
-            let pairs = seen[0].0.iter().zip(&seen[1].0);
-            let different = pairs.filter(|(a, b)| (*a - *b).abs() > 2e-3).count();
-            assert!(different <= 6, "{index}: {different}");
-        }
-    }
-
-    #[test]
-    fn both_profiles_look_the_same() {
-        let task = candidate(1000, 3);
-        let rows = [Profile::DEFAULT, Profile::PAPER].map(|profile| {
-            let objective = objective(&task, &profile);
-            let mut x = vec![0.0; 14];
-            objective.straight_line(&mut x);
-            let stride = probes().row_len();
-            let mut rows = vec![0.0; 7 * stride];
-            WaypointView::new(&probes(), &objective).encode(&objective, &x, &mut rows, stride);
-            rows
-        });
-        for (a, b) in rows[0].iter().zip(&rows[1]) {
-            assert!((a - b).abs() <= 1e-4, "{a} {b}");
-        }
-    }
-
-    #[test]
-    fn rows_hold_what_the_table_says() {
-        let rect = Rect::new([30.0, 26.0], [34.0, 40.0]).unwrap();
-        let bounds = Rect::new([0.0; 2], [64.0; 2]).unwrap();
-        let world = Arc::new(World::new(bounds, vec![Obstacle::Rect(rect)], None));
-        let task = Task::new("", world, crate::Robot::Point, [16.0, 32.0], [48.0, 32.0]).unwrap();
-        let objective = Objective::new(&task, Arc::new(Scene::of(&task, &Profile::DEFAULT)), 1);
-        let objective = objective.unwrap();
-        let probes = Probes::named("probes:4x1").unwrap();
-        let mut view = WaypointView::new(&probes, &objective);
-        let mut row = vec![0.0; probes.row_len()];
-        // The one waypoint is at (24, 32): 0.6 from the rectangle, which blocks the segment after it.
-        view.encode(&objective, &[2.4, 3.2], &mut row, probes.row_len());
-        let expect = [
-            0.25,
-            0.0,
-            0.75,
-            0.0,
-            -1.6,
-            0.0,
-            4.8,
-            0.0,
-            0.0,
-            0.0, // offsets, last update
-            1.0,
-            2.0 / 11.0,
-            0.0,
-            1.0,
-            0.5,
-            0.5, // shared, place
-            1.0,
-            1.0,
-            -1.0,
-            0.0, // distance
-        ];
-        for (at, (got, want)) in row.iter().zip(expect).enumerate() {
-            assert!((got - want).abs() <= 1e-5, "{at}: {got} {want}");
-        }
-        let after = &row[27..34];
-        // Points at (30, 32), (36, 32) and (42, 32): on the side, 0.2 behind it, 0.8 behind it.
-        let expect = [0.0, 0.2 / 0.6, 0.8 / 0.6, 0.0];
-        for (got, want) in after.iter().zip(expect) {
-            assert!((got - want).abs() <= 1e-5, "{after:?}");
-        }
-        assert_eq!(after[6], 0.0, "blocked");
-        assert_eq!(row[26], 1.0, "the segment before is free");
-        // Probes ahead, left, behind, right: inside the rectangle by 0.2 + .., beside it.
-        let ahead = row[34];
-        assert!((ahead + 0.0).abs() <= 0.34 && ahead <= 0.0, "{ahead}");
-        assert!(!view.is_free());
-    }
-
-    #[test]
-    fn names_of_probes_are_checked() {
-        assert_eq!(Probes::named(&probes().name()).unwrap(), probes());
-        for name in
-            ["probes", "probes:0x1", "probes:4x", "probes:4x-1", "probes:4xnan", "probes:999x1,2"]
-        {
-            assert_eq!(Probes::named(name).unwrap_err().field, "observation", "{name}");
-        }
-        let parts = |names: &[&str]| {
-            Probes::from_parts(&names.iter().map(|n| (*n).to_string()).collect::<Vec<_>>())
-        };
-        assert!(parts(&["waypoints", "probes:4x1"]).is_ok());
-        assert!(parts(&["gradient", "probes:4x1"]).is_err());
-    }
-}
+mod tests;

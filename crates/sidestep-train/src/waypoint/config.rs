@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use sidestep::network::WaypointShape;
 use sidestep::suite::{candidate, varied};
-use sidestep::waypoint_view::Probes;
+use sidestep::waypoint_view::ViewParts;
 use sidestep::{InvalidInput, Task};
 
 use crate::config::toml_file;
@@ -18,7 +18,7 @@ pub struct WaypointConfig {
     pub architecture: String,
     /// Seed of parameters, noise and the tasks' order.
     pub seed: u64,
-    /// The view's parts: `waypoints`, then `probes:KxR1,R2,..`.
+    /// The view's parts: `waypoints`, then `probes:KxR1,R2,..`, then perhaps `map:GxCxD1,D2,..`.
     pub observation: Vec<String>,
     /// The network.
     pub network: WaypointNetworkConfig,
@@ -90,8 +90,8 @@ pub struct StageConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImitationConfig {
-    /// Groups of 4 tasks with 4 trajectories each per update.
-    pub groups: usize,
+    /// Tasks per update, with 4 trajectories each.
+    pub tasks: usize,
     /// Steps of every trajectory per update.
     pub steps: usize,
     /// Weight of the hinge on trajectories from the straight line.
@@ -116,8 +116,8 @@ pub struct ImitationConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PolicyGradientConfig {
-    /// Groups of 4 tasks per update.
-    pub groups: usize,
+    /// Tasks per update.
+    pub tasks: usize,
     /// Noisy walks per task.
     pub walks: usize,
     /// Steps of a walk.
@@ -128,6 +128,10 @@ pub struct PolicyGradientConfig {
     pub haste: f32,
     /// .. less this times its length beyond the shortest path's, as a part of that (1 at most).
     pub stretch: f32,
+    /// Share of the tasks that are walked from a random bend or via-point, and not from the straight line.
+    pub other_starts: f32,
+    /// Share that is walked of the tasks that the present policy solves without noise.
+    pub solved: f32,
 }
 
 /// The tasks that choose the best policy.
@@ -192,7 +196,7 @@ impl Default for TaskConfig {
 impl Default for ImitationConfig {
     fn default() -> Self {
         Self {
-            groups: 4,
+            tasks: 16,
             steps: 3,
             hinge_straight: 0.3,
             hinge: 1.0,
@@ -208,7 +212,16 @@ impl Default for ImitationConfig {
 
 impl Default for PolicyGradientConfig {
     fn default() -> Self {
-        Self { groups: 4, walks: 8, steps: 24, noise_pixels: 0.7, haste: 0.3, stretch: 0.5 }
+        Self {
+            tasks: 16,
+            walks: 8,
+            steps: 24,
+            noise_pixels: 0.7,
+            haste: 0.3,
+            stretch: 0.5,
+            other_starts: 0.25,
+            solved: 0.5,
+        }
     }
 }
 
@@ -238,19 +251,20 @@ impl WaypointConfig {
     ///
     /// # Errors
     /// If a value is out of range; the message names the field, the value and the range.
-    pub fn check(&self) -> Result<(Probes, WaypointShape), InvalidInput> {
+    pub fn check(&self) -> Result<(ViewParts, WaypointShape), InvalidInput> {
         let refuse = |field: &str, value: &dyn std::fmt::Display, allowed: &str| {
             Err(InvalidInput::new(field, value, allowed))
         };
         if self.architecture != ARCHITECTURE {
             return refuse("architecture", &self.architecture, ARCHITECTURE);
         }
-        let probes = Probes::from_parts(&self.observation)?;
+        let view = ViewParts::from_names(&self.observation)?;
         let network = &self.network;
         let shape = WaypointShape {
-            inputs: probes.row_len(),
+            inputs: view.row_len(),
             width: network.width,
             dilations: network.dilations.clone(),
+            map: view.map.clone(),
         };
         shape.parameter_count()?;
         let (tasks, imitation) = (&self.tasks, &self.imitation);
@@ -290,6 +304,8 @@ impl WaypointConfig {
             ("imitation.long_share", imitation.long_share),
             ("policy_gradient.haste", gradient.haste),
             ("policy_gradient.stretch", gradient.stretch),
+            ("policy_gradient.other_starts", gradient.other_starts),
+            ("policy_gradient.solved", gradient.solved),
         ] {
             if !(0.0..=1.0).contains(&value) {
                 return refuse(field, &value, "a number from 0 to 1");
@@ -308,11 +324,11 @@ impl WaypointConfig {
             }
         }
         for (field, value, most) in [
-            ("imitation.groups", imitation.groups as u64, 256),
+            ("imitation.tasks", imitation.tasks as u64, 1024),
             ("imitation.steps", imitation.steps as u64, 1000),
             ("imitation.life", u64::from(imitation.life), 100_000),
             ("imitation.long_life", u64::from(imitation.long_life), 100_000),
-            ("policy_gradient.groups", gradient.groups as u64, 256),
+            ("policy_gradient.tasks", gradient.tasks as u64, 256),
             ("policy_gradient.walks", gradient.walks as u64, 256),
             ("policy_gradient.steps", gradient.steps as u64, 1000),
             ("validation.count", validation.count as u64, 100_000),
@@ -328,6 +344,6 @@ impl WaypointConfig {
                 return refuse("stages.updates", &stage.updates, "a number from 1 to 1000000000");
             }
         }
-        Ok((probes, shape))
+        Ok((view, shape))
     }
 }

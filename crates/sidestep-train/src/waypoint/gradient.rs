@@ -1,6 +1,6 @@
 //! Policy gradient on success (REINFORCE: Williams 1992) with the task's own walks as the baseline.
 //!
-//! Each task is walked K times from the straight line with smooth noise on every step: with shapes phi_k(i) = sin(pi k i / (N + 1))
+//! Each task is walked K times from one start, mostly the straight line, with smooth noise on every step: with shapes phi_k(i) = sin(pi k i / (N + 1))
 //! and z standard normal,
 //!
 //! ```text
@@ -13,27 +13,29 @@
 //! which is the score of the noise modes: what lies outside of them is not explored and not learned here. Tasks whose
 //! walks all end alike teach nothing.
 
+use rand::RngExt;
 use sidestep::network::{WaypointNet, WaypointScratch};
 use sidestep::objective::{Objective, Scene};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::waypoint_view::WaypointView;
+use sidestep::starts::{StartStrategy, bend};
+use sidestep::waypoint_view::{TaskMap, WaypointView};
 use std::sync::Arc;
 
 use super::config::PolicyGradientConfig;
-use super::imitation::{GROUP, PIXEL, Recipe, Sums};
+use super::imitation::{Part, Recipe};
+use super::loss::PIXEL;
 use crate::gaussian::standard_normal;
 
 const MODES: usize = 4;
 
-/// What one group of tasks did and learned.
+/// Walks on one task after the other, with their buffers.
 #[derive(Debug, Default)]
 pub(super) struct Walks {
     scratch: WaypointScratch,
-    pub gradient: Vec<f32>,
-    pub sums: Sums,
 }
 
+#[derive(Clone)]
 struct Walk {
     x: Vec<f32>,
     view: WaypointView,
@@ -41,12 +43,14 @@ struct Walk {
     solved: Option<usize>,
     /// Rows that went into the network, step by step.
     seen: Vec<f32>,
+    /// Where the waypoints were then, `[steps x N x 2]`.
+    places: Vec<f32>,
     /// Noise `[steps x 2 x MODES]`.
     noise: Vec<f32>,
 }
 
 impl Walks {
-    /// Walks the tasks of group `index` in update `update`; leaves the gradient summed over walks.
+    /// Walks task `index` of update `update`; adds the gradient summed over walks to `part`.
     pub fn run(
         &mut self,
         net: &WaypointNet,
@@ -54,17 +58,13 @@ impl Walks {
         settings: &PolicyGradientConfig,
         update: u64,
         index: u64,
+        part: &mut Part,
     ) {
-        self.gradient.clear();
-        self.gradient.resize(net.parameters().len(), 0.0);
-        self.sums = Sums::default();
         let mut number = 1 << 44 | (update * 256 + index) << 16;
-        for _ in 0..GROUP {
-            loop {
-                number += 1;
-                if self.walk_task(net, recipe, settings, number) {
-                    break;
-                }
+        loop {
+            number += 1;
+            if self.walk_task(net, recipe, settings, number, part) {
+                break;
             }
         }
     }
@@ -76,6 +76,7 @@ impl Walks {
         recipe: &Recipe,
         settings: &PolicyGradientConfig,
         number: u64,
+        part: &mut Part,
     ) -> bool {
         let mut rng = stream(recipe.seed, Purpose::Environment, number, 0);
         let task = recipe.tasks.draw(number, &mut rng);
@@ -84,17 +85,33 @@ impl Walks {
         if scene.certifier().segment_is_free(task.start, task.goal) {
             return false;
         }
+        let Ok(objective) = Objective::new(&task, scene.clone(), waypoints) else { return false };
+        let mut x = vec![0.0; objective.dim()];
+        objective.straight_line(&mut x);
+        if rng.random::<f32>() < settings.other_starts {
+            if rng.random::<bool>() {
+                StartStrategy::ViaPoint.draw(&objective, &mut rng, &mut x);
+            } else {
+                bend(&mut x, 1.0, &mut rng);
+            }
+        }
+        let view = WaypointView::new(&recipe.view.probes, &objective);
+        let mut map = recipe.view.map.as_ref().map(|shape| {
+            let mut map = TaskMap::new(shape, &objective);
+            net.begin_map(map.scratch());
+            net.read_map(map.scratch());
+            map
+        });
+        let keeps = rng.random::<f32>() < settings.solved;
+        if !keeps && self.solves(net, recipe, settings, &objective, view.clone(), map.as_ref(), &x)
+        {
+            return false;
+        }
         let route = scene.shortest_path().find(task.start, task.goal);
         let Some(shortest) = route.length() else { return false };
-        let Ok(objective) = Objective::new(&task, scene, waypoints) else { return false };
-        let mut walks: Vec<Walk> = (0..settings.walks)
-            .map(|_| {
-                let mut x = vec![0.0; objective.dim()];
-                objective.straight_line(&mut x);
-                let view = WaypointView::new(&recipe.probes, &objective);
-                Walk { x, view, solved: None, seen: Vec::new(), noise: Vec::new() }
-            })
-            .collect();
+        let walk =
+            Walk { x, view, solved: None, seen: Vec::new(), places: Vec::new(), noise: Vec::new() };
+        let mut walks = vec![walk; settings.walks];
         let (stride, dim) = (net.input_stride(), waypoints * net.input_stride());
         let shapes = Shapes::new(waypoints);
         let gain = recipe.rule.scale / PIXEL;
@@ -108,11 +125,12 @@ impl Walks {
                     continue;
                 }
                 let block = &mut input[active.len() * dim..][..dim];
-                walk.view.encode(&objective, &walk.x, block, stride);
+                walk.view.encode(&objective, &walk.x, map.as_ref(), block, stride);
                 if walk.view.is_free() {
                     walk.solved = Some(step);
                 } else if step < settings.steps {
                     walk.seen.extend_from_slice(block);
+                    walk.places.extend_from_slice(&walk.x);
                     active.push(index);
                 }
             }
@@ -149,20 +167,56 @@ impl Walks {
         let count = returns.len() as f32;
         let mean = returns.iter().sum::<f32>() / count;
         let spread = (returns.iter().map(|r| (r - mean) * (r - mean)).sum::<f32>() / count).sqrt();
-        self.sums.loss -= f64::from(mean) * f64::from(count);
-        self.sums.ended += f64::from(count);
-        self.sums.solved += walks.iter().filter(|walk| walk.solved.is_some()).count() as f64;
+        part.sums.loss -= f64::from(mean) * f64::from(count);
+        part.sums.ended += f64::from(count);
+        part.sums.solved += walks.iter().filter(|walk| walk.solved.is_some()).count() as f64;
         for (walk, r) in walks.iter().zip(&returns) {
-            self.sums.steps += (walk.seen.len() / dim) as f64;
+            part.sums.steps += (walk.seen.len() / dim) as f64;
             let advantage = (r - mean) / (spread + 0.1);
             if spread < 1e-6 {
                 continue;
             }
-            self.learn(net, walk, waypoints, advantage, sigma, &shapes);
+            self.learn(net, walk, waypoints, advantage, sigma, &shapes, &mut part.gradient);
+            if let Some(map) = &mut map {
+                let (slopes, row_len) = (self.scratch.input_slopes(), recipe.view.row_len());
+                map.collect_rows(&walk.places, slopes, stride, row_len);
+            }
+        }
+        if let Some(map) = &mut map {
+            net.map_backward(map.scratch(), &mut part.gradient);
         }
         true
     }
 
+    /// Whether the policy walks from `x` to a free trajectory without noise.
+    #[allow(clippy::too_many_arguments, reason = "all that a walk is made of")]
+    fn solves(
+        &mut self,
+        net: &WaypointNet,
+        recipe: &Recipe,
+        settings: &PolicyGradientConfig,
+        objective: &Objective,
+        mut view: WaypointView,
+        map: Option<&TaskMap>,
+        x: &[f32],
+    ) -> bool {
+        let (waypoints, stride) = (objective.waypoints(), net.input_stride());
+        let mut x = x.to_vec();
+        for step in 0..=settings.steps {
+            let rows = self.scratch.input(waypoints, stride);
+            view.encode(objective, &x, map, rows, stride);
+            if view.is_free() {
+                return true;
+            }
+            if step < settings.steps {
+                net.forward(&mut self.scratch, waypoints);
+                view.apply(&recipe.rule, |i| self.scratch.output(i), &mut x);
+            }
+        }
+        false
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "one formula, and all it is made of")]
     fn learn(
         &mut self,
         net: &WaypointNet,
@@ -171,6 +225,7 @@ impl Walks {
         advantage: f32,
         sigma: f32,
         shapes: &Shapes,
+        gradient: &mut [f32],
     ) {
         let stride = net.input_stride();
         let rows = walk.seen.len() / stride;
@@ -189,7 +244,7 @@ impl Walks {
                 d_output.push(slope);
             }
         }
-        net.backward(&d_output, &mut self.scratch, &mut self.gradient);
+        net.backward(&d_output, &mut self.scratch, gradient);
     }
 }
 

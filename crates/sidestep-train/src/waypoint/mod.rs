@@ -4,6 +4,7 @@ mod checkpoint;
 mod config;
 mod gradient;
 mod imitation;
+mod loss;
 mod routes;
 mod trainer;
 mod validation;

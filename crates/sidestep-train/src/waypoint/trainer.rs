@@ -16,13 +16,15 @@ use sidestep::rng::{Purpose, stream};
 
 use super::config::{StageKind, WaypointConfig};
 use super::gradient::Walks;
-use super::imitation::{GROUP, Group, MEMBERS, Recipe, Sums};
+use super::imitation::{MEMBERS, Part, Recipe, Slot, Sums};
 use super::validation::{Tasks, WaypointValidation};
 use crate::gaussian::standard_normal;
 use crate::trainer::LICENCE;
 
 /// Optimizer steps of a unit.
 pub const UPDATES_PER_UNIT: u64 = 250;
+/// Tasks of an update that one thread takes together.
+const TASKS_PER_PART: usize = 4;
 const BETAS: [f64; 2] = [0.9, 0.99];
 const EPSILON: f64 = 1e-8;
 const MAX_GRADIENT_NORM: f64 = 1.0;
@@ -94,14 +96,14 @@ impl WaypointTrainer {
     /// # Errors
     /// If the configuration has a value out of range.
     pub fn new(config: WaypointConfig) -> Result<Self, InvalidInput> {
-        let (probes, shape) = config.check()?;
+        let (view, shape) = config.check()?;
         let rule = ActionRule {
             scale: 0.1 * config.network.action_pixels,
             limit: 0.1 * config.network.action_limit_pixels,
             keep_inside: true,
         };
         let recipe = Recipe {
-            probes: probes.clone(),
+            view: view.clone(),
             rule,
             tasks: config.tasks.clone(),
             imitation: config.imitation.clone(),
@@ -111,7 +113,7 @@ impl WaypointTrainer {
         let average = net.parameters().to_vec();
         let moments = [vec![0.0; average.len()], vec![0.0; average.len()]];
         Ok(Self {
-            tasks: Tasks::new(&config.validation, &probes),
+            tasks: Tasks::new(&config.validation, &view),
             config,
             shape,
             recipe,
@@ -180,43 +182,51 @@ impl WaypointTrainer {
             self.moments.iter_mut().for_each(|moment| moment.fill(0.0));
         }
         let total = (units * UPDATES_PER_UNIT) as f64;
-        let mut groups: Vec<Group> = match stage.kind {
-            StageKind::Imitation => (0..self.config.imitation.groups as u64)
+        let mut slots: Vec<Slot> = match stage.kind {
+            StageKind::Imitation => (0..self.config.imitation.tasks as u64)
                 .into_par_iter()
-                .map(|group| Group::new(&self.recipe, self.units, group))
+                .map(|slot| Slot::new(&self.recipe, &self.net, self.units, slot))
                 .collect(),
             StageKind::PolicyGradient => Vec::new(),
         };
-        let mut walks: Vec<Walks> = Vec::new();
-        if stage.kind == StageKind::PolicyGradient {
-            walks.resize_with(self.config.policy_gradient.groups, Walks::default);
-        }
+        let tasks = match stage.kind {
+            StageKind::Imitation => self.config.imitation.tasks,
+            StageKind::PolicyGradient => self.config.policy_gradient.tasks,
+        };
+        let (mut parts, mut walks): (Vec<Part>, Vec<Walks>) = (Vec::new(), Vec::new());
+        parts.resize_with(tasks.div_ceil(TASKS_PER_PART), Part::default);
+        walks.resize_with(parts.len(), Walks::default);
         let (mut sums, mut norms, mut learning_rate) = (Sums::default(), 0.0, 0.0);
         for update in 0..UPDATES_PER_UNIT {
             let done = unit * UPDATES_PER_UNIT + update;
             learning_rate = stage.learning_rate * schedule(done as f64, total);
             let (net, recipe) = (&self.net, &self.recipe);
-            let mut gradient: Vec<f32>;
             let divisor;
             match stage.kind {
                 StageKind::Imitation => {
                     let steps = self.config.imitation.steps;
-                    groups.par_iter_mut().for_each(|group| group.run(net, recipe, steps));
-                    let parts = groups.iter().map(|group| (&group.gradient, group.sums));
-                    gradient = add_up(parts, &mut sums);
-                    divisor = (groups.len() * GROUP * MEMBERS * steps) as f32;
+                    let tasks = slots.par_chunks_mut(TASKS_PER_PART).zip(&mut parts);
+                    tasks.for_each(|(slots, part)| {
+                        part.clear(net.parameters().len());
+                        slots.iter_mut().for_each(|slot| slot.run(net, recipe, steps, part));
+                    });
+                    divisor = (slots.len() * MEMBERS * steps) as f32;
                 }
                 StageKind::PolicyGradient => {
                     let settings = &self.config.policy_gradient;
                     let number = self.units * UPDATES_PER_UNIT + update;
-                    walks.par_iter_mut().enumerate().for_each(|(group, walks)| {
-                        walks.run(net, recipe, settings, number, group as u64);
+                    let tasks = walks.par_iter_mut().zip(&mut parts).enumerate();
+                    tasks.for_each(|(index, (walks, part))| {
+                        part.clear(net.parameters().len());
+                        let first = index * TASKS_PER_PART;
+                        for task in first..settings.tasks.min(first + TASKS_PER_PART) {
+                            walks.run(net, recipe, settings, number, task as u64, part);
+                        }
                     });
-                    let parts = walks.iter().map(|walks| (&walks.gradient, walks.sums));
-                    gradient = add_up(parts, &mut sums);
-                    divisor = (walks.len() * GROUP * settings.walks) as f32;
+                    divisor = (settings.tasks * settings.walks) as f32;
                 }
             }
+            let mut gradient = add_up(&parts, &mut sums);
             gradient.iter_mut().for_each(|g| *g /= divisor);
             let norm = f64::from(squared_norm(&gradient)).sqrt();
             norms += norm;
@@ -308,15 +318,16 @@ impl WaypointTrainer {
     }
 }
 
-/// Adds gradients and sums in the order of the groups.
-fn add_up<'a>(parts: impl Iterator<Item = (&'a Vec<f32>, Sums)>, sums: &mut Sums) -> Vec<f32> {
-    let mut total: Vec<f32> = Vec::new();
-    for (gradient, own) in parts {
-        if total.is_empty() {
-            total.extend_from_slice(gradient);
-        } else {
+/// Adds gradients and sums in the order of the tasks.
+fn add_up(parts: &[Part], sums: &mut Sums) -> Vec<f32> {
+    let mut total = vec![0.0; parts.first().map_or(0, |part| part.gradient.len())];
+    total.par_chunks_mut(4096).enumerate().for_each(|(chunk, total)| {
+        for part in parts {
+            let gradient = &part.gradient[chunk * 4096..];
             total.iter_mut().zip(gradient).for_each(|(sum, g)| *sum += g);
         }
+    });
+    for Part { sums: own, .. } in parts {
         sums.steps += own.steps;
         sums.loss += own.loss;
         sums.ended += own.ended;
@@ -339,10 +350,16 @@ fn initial(shape: &WaypointShape, seed: u64) -> Result<Vec<f32>, InvalidInput> {
     let mut parameters = Vec::with_capacity(shape.parameter_count()?);
     let sizes = shape.layer_sizes();
     let blocks = shape.dilations.len().max(1) as f32;
+    let head = 2 * shape.dilations.len() + 1;
+    let map_blocks = shape.map.as_ref().map_or(1, |map| map.dilations.len().max(1)) as f32;
     for (index, &(inputs, outputs)) in sizes.iter().enumerate() {
         let he = (2.0 / inputs as f32).sqrt();
-        let deviation = if index + 1 == sizes.len() {
+        let deviation = if index == head {
             0.1 * he
+        } else if index > head + 1 {
+            he / map_blocks.sqrt()
+        } else if index > head {
+            he
         } else if index > 0 && index % 2 == 0 {
             0.5 * he / blocks.sqrt()
         } else {

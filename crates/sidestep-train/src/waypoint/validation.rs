@@ -10,7 +10,7 @@ use sidestep::objective::{Objective, Scene};
 use sidestep::policy::ActionRule;
 use sidestep::profile::Profile;
 use sidestep::suite::Suite;
-use sidestep::waypoint_view::{Probes, WaypointView};
+use sidestep::waypoint_view::{TaskMap, ViewParts, WaypointView};
 
 use super::config::WaypointValidationConfig;
 use crate::validation::Validation;
@@ -37,14 +37,21 @@ impl WaypointValidation {
     }
 }
 
+/// A task made ready.
+struct Problem {
+    objective: Objective,
+    view: WaypointView,
+    map: Option<TaskMap>,
+}
+
 /// Solvable validation tasks made ready.
 pub(super) struct Tasks {
-    easy: Vec<(Objective, WaypointView)>,
-    hard: Vec<(Objective, WaypointView)>,
+    easy: Vec<Problem>,
+    hard: Vec<Problem>,
 }
 
 impl Tasks {
-    pub fn new(config: &WaypointValidationConfig, probes: &Probes) -> Self {
+    pub fn new(config: &WaypointValidationConfig, view: &ViewParts) -> Self {
         let ready = |suite: Suite| {
             let tasks = suite.generate(config.count, config.seed, &Profile::PAPER);
             let problem = |task: &sidestep::Task| {
@@ -52,8 +59,8 @@ impl Tasks {
                 let route = scene.shortest_path().find(task.start, task.goal);
                 let Route::Found { .. } = route else { return None };
                 let objective = Objective::new(task, scene, Profile::DEFAULT.waypoints).ok()?;
-                let view = WaypointView::new(probes, &objective);
-                Some((objective, view))
+                let map = view.map.as_ref().map(|shape| TaskMap::new(shape, &objective));
+                Some(Problem { view: WaypointView::new(&view.probes, &objective), map, objective })
             };
             tasks.par_iter().filter_map(problem).collect()
         };
@@ -66,11 +73,11 @@ impl Tasks {
         rule: ActionRule,
         steps: usize,
     ) -> WaypointValidation {
-        let run = |tasks: &[(Objective, WaypointView)]| {
+        let run = |tasks: &[Problem]| {
             let firsts: Vec<Option<usize>> = tasks
                 .par_iter()
-                .map_init(WaypointScratch::default, |scratch, (objective, view)| {
-                    first_free(net, rule, objective, view.clone(), steps, scratch)
+                .map_init(WaypointScratch::default, |scratch, problem| {
+                    problem.first_free(net, rule, steps, scratch)
                 })
                 .collect();
             let solved = firsts.iter().flatten().count();
@@ -82,25 +89,33 @@ impl Tasks {
     }
 }
 
-fn first_free(
-    net: &WaypointNet,
-    rule: ActionRule,
-    objective: &Objective,
-    mut view: WaypointView,
-    steps: usize,
-    scratch: &mut WaypointScratch,
-) -> Option<usize> {
-    let mut x = vec![0.0; objective.dim()];
-    objective.straight_line(&mut x);
-    view.reset();
-    let (waypoints, stride) = (objective.waypoints(), net.input_stride());
-    for step in 0..=steps {
-        view.encode(objective, &x, scratch.input(waypoints, stride), stride);
-        if view.is_free() {
-            return Some(step);
+impl Problem {
+    /// The first iterate from the straight line that is free.
+    fn first_free(
+        &self,
+        net: &WaypointNet,
+        rule: ActionRule,
+        steps: usize,
+        scratch: &mut WaypointScratch,
+    ) -> Option<usize> {
+        let Self { objective, view, map } = self;
+        let (mut view, mut map) = (view.clone(), map.clone());
+        if let Some(map) = &mut map {
+            net.read_map(map.scratch());
         }
-        net.forward(scratch, waypoints);
-        view.apply(&rule, |i| scratch.output(i), &mut x);
+        let mut x = vec![0.0; objective.dim()];
+        objective.straight_line(&mut x);
+        view.reset();
+        let (waypoints, stride) = (objective.waypoints(), net.input_stride());
+        for step in 0..=steps {
+            let rows = scratch.input(waypoints, stride);
+            view.encode(objective, &x, map.as_ref(), rows, stride);
+            if view.is_free() {
+                return Some(step);
+            }
+            net.forward(scratch, waypoints);
+            view.apply(&rule, |i| scratch.output(i), &mut x);
+        }
+        None
     }
-    None
 }

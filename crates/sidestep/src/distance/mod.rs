@@ -21,7 +21,7 @@ pub use transform::squared_distance_transform;
 pub(crate) const LANES: usize = 16;
 
 /// Points that tell the typical clearance; a multiple of [`LANES`].
-const CLEARANCE_POINTS: usize = 4096;
+const CLEARANCE_POINTS: usize = 1024;
 /// Steps of the R2 sequence, 1/p and 1/p² for p³ = p + 1 (Roberts 2018, "The unreasonable
 /// effectiveness of quasirandom sequences"): even, and on no lattice that a grid could share.
 const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
@@ -90,18 +90,24 @@ impl Field {
     /// The median distance over the free part of a field of this size, at most its larger side; 0
     /// where nothing is free. In normalised units.
     pub fn typical_clearance(&self, size: [f32; 2]) -> f32 {
-        let mut samples = Samples::with_len(CLEARANCE_POINTS);
-        let mut place = [0, 1].map(|_| vec![0.0; CLEARANCE_POINTS]);
-        for axis in 0..2 {
-            for (i, value) in place[axis].iter_mut().enumerate() {
-                *value = size[axis] * (R2[axis] * (i + 1) as f64).fract() as f32;
+        let place = [0, 1].map(|axis| {
+            let even = |i: usize| size[axis] * (R2[axis] * (i + 1) as f64).fract() as f32;
+            std::array::from_fn::<f32, CLEARANCE_POINTS, _>(even)
+        });
+        let mut distances = [0.0; CLEARANCE_POINTS];
+        self.probe_all(&place[0], &place[1], &mut distances);
+        let mut free = 0;
+        for i in 0..CLEARANCE_POINTS {
+            if distances[i] > 0.0 {
+                distances[free] = distances[i];
+                free += 1;
             }
         }
-        self.sample(&place[0], &place[1], CLEARANCE_POINTS, &mut samples);
-        let mut free = samples.distance;
-        free.retain(|&distance| distance > 0.0);
-        free.sort_by(f32::total_cmp);
-        free.get(free.len() / 2).map_or(0.0, |median| median.min(size[0].max(size[1])))
+        if free == 0 {
+            return 0.0;
+        }
+        let (_, median, _) = distances[..free].select_nth_unstable_by(free / 2, f32::total_cmp);
+        median.min(size[0].max(size[1]))
     }
 
     /// Samples the first `points` points; slices have equal length, a multiple of [`LANES`], and what
@@ -127,6 +133,11 @@ impl Field {
 }
 
 impl Field {
+    /// [`Field::probe`] on this machine's instruction set.
+    pub(crate) fn probe_all(&self, x: &[f32], y: &[f32], out: &mut [f32]) {
+        probe_points(Isa::detect(), self, x, y, out);
+    }
+
     /// Signed distances without gradients, quickly: exact in free space, and in obstacles at most as deep as
     /// [`Field::sample`] says. Slices have equal length, a multiple of [`LANES`].
     #[inline(always)]
@@ -226,6 +237,15 @@ impl Sampler {
         let Samples { distance, gradient_x, gradient_y } = &self.samples;
         (0..self.points).map(move |i| (distance[i], [gradient_x[i], gradient_y[i]]))
     }
+}
+
+dispatch! {
+    fn probe_points(field: &Field, x: &[f32], y: &[f32], out: &mut [f32]) = probe_points_body;
+}
+
+#[inline(always)]
+fn probe_points_body<const ISA: u8>(field: &Field, x: &[f32], y: &[f32], out: &mut [f32]) {
+    field.probe(x, y, out);
 }
 
 dispatch! {

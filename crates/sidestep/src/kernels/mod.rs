@@ -15,6 +15,7 @@
 #![allow(unsafe_code, reason = "calling functions compiled for detected CPU features")]
 
 mod adam;
+pub(crate) mod conv;
 pub(crate) mod dense;
 mod norm;
 mod product;

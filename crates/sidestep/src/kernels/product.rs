@@ -37,9 +37,11 @@ pub(super) fn product<const ISA: u8, const ACCUMULATE: bool>(
     c_stride: usize,
 ) {
     let out = Out { bias, values: c, stride: c_stride, columns };
-    // Two chains per number: 4 x 2 panels fill 16 of 32 registers of AVX-512, 2 x 1 fill 8 of 16 of AVX2.
+    // Two chains per number: 5 x 2 panels fill 20 of 32 registers of AVX-512, 2 x 1 fill 8 of 16 of AVX2. Ten waypoints are
+    // two blocks of 5.
     if ISA == AVX512 {
-        let (out, done) = blocks::<ISA, ACCUMULATE, 4, 2>(0, rows, depth, a, b, out);
+        let (out, done) = blocks::<ISA, ACCUMULATE, 5, 2>(0, rows, depth, a, b, out);
+        let (out, done) = blocks::<ISA, ACCUMULATE, 4, 2>(done, rows, depth, a, b, out);
         blocks::<ISA, ACCUMULATE, 1, 4>(done, rows, depth, a, b, out);
     } else {
         let (out, done) = blocks::<ISA, ACCUMULATE, 2, 1>(0, rows, depth, a, b, out);

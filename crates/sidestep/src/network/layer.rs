@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::kernels::Isa;
 use crate::kernels::dense::{self, Activation, padded};
+use crate::kernels::{Isa, conv};
 
 /// A dense layer `y = act(W x + b)` of a network with flat parameters.
 #[derive(Debug, Clone)]
@@ -50,6 +50,20 @@ impl Layer {
     pub fn forward(&self, isa: Isa, rows: usize, x: &[f32], y: &mut [f32]) {
         let (act, stride) = (self.activation, padded(self.inputs));
         dense::forward(isa, act, rows, self.inputs, x, stride, &self.forward, &self.bias, y);
+    }
+
+    /// `y [cells^2 x outputs]` of a convolution over cells with a border; see [`conv::conv3x3`].
+    pub fn convolve(
+        &self,
+        isa: Isa,
+        cells: usize,
+        border: usize,
+        dilation: usize,
+        x: &[f32],
+        y: &mut [f32],
+    ) {
+        let (packed, bias, channels) = (&self.forward, &self.bias, self.outputs);
+        conv::conv3x3(isa, cells, channels, border, dilation, x, packed, bias, y);
     }
 
     /// Adds the gradient with respect to the parameters to the flat `gradient`, given that with respect to the

@@ -7,10 +7,13 @@
 mod cnn;
 mod convolution;
 mod layer;
+mod map_net;
 mod mlp;
 mod waypoint_net;
 
 pub use cnn::{Cnn, FEATURES, Part};
+pub(crate) use map_net::MAP_INPUTS;
+pub use map_net::{MapScratch, MapShape};
 pub use mlp::{MAX_PARAMETERS, Mlp, Scratch};
 pub use waypoint_net::{WaypointNet, WaypointScratch, WaypointShape};
 

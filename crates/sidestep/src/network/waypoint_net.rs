@@ -10,7 +10,8 @@
 //! ```
 //!
 //! No normalisation layers. Parameters lie in the flat vector in that order, per layer weights
-//! `[outputs x inputs]`, then biases.
+//! `[outputs x inputs]`, then biases; those of the convolutions over the task's map ([`super::map_net`]) follow, where the
+//! network has one.
 
 use std::ops::Range;
 
@@ -18,6 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use super::MAX_PARAMETERS;
 use super::layer::Layer;
+use super::map_net::{self, MapScratch, MapShape};
 use crate::error::InvalidInput;
 use crate::kernels::Isa;
 use crate::kernels::LANES;
@@ -36,6 +38,8 @@ pub struct WaypointShape {
     pub width: usize,
     /// One residual block each, with its convolution's dilation.
     pub dilations: Vec<usize>,
+    /// The map of the task that the last inputs were read from, if any.
+    pub map: Option<MapShape>,
 }
 
 impl WaypointShape {
@@ -56,6 +60,10 @@ impl WaypointShape {
         if self.dilations.len() > 64 {
             return refuse("dilations", self.dilations.len(), "up to 64 blocks".into());
         }
+        if let Some(map) = self.map.as_ref().filter(|map| !map.is_allowed()) {
+            let (found, allowed) = (format!("{map:?}"), MapShape::ALLOWED);
+            return Err(InvalidInput::new("network.map", found, allowed));
+        }
         if let Some(&dilation) = self.dilations.iter().find(|d| !(1..=1024).contains(*d)) {
             return refuse("dilations", dilation, "numbers from 1 to 1024".into());
         }
@@ -67,12 +75,13 @@ impl WaypointShape {
     }
 
     /// `(inputs, outputs)` of each layer, in the order of the parameters: first, then convolution and outward layer of
-    /// each block, then the head.
+    /// each block, the head, and the map's.
     pub fn layer_sizes(&self) -> Vec<(usize, usize)> {
         let block = [(3 * self.width, self.width), (self.width, self.width)];
         let blocks = self.dilations.iter().flat_map(|_| block);
         let first = std::iter::once((self.inputs, self.width));
-        first.chain(blocks).chain([(self.width, OUTPUTS)]).collect()
+        let map = self.map.iter().flat_map(MapShape::layer_sizes);
+        first.chain(blocks).chain([(self.width, OUTPUTS)]).chain(map).collect()
     }
 }
 
@@ -106,6 +115,8 @@ pub struct WaypointScratch {
     /// `[rows x LANES]`.
     output: Vec<f32>,
     d_output: Vec<f32>,
+    /// `[rows x padded(inputs)]`, of a network with a map.
+    d_input: Vec<f32>,
     d_hidden: Vec<f32>,
     d_active: Vec<f32>,
     d_neighbours: Vec<f32>,
@@ -123,6 +134,11 @@ impl WaypointScratch {
     pub fn output(&self, row: usize) -> [f32; OUTPUTS] {
         let row = &self.output[row * LANES..];
         [row[0], row[1]]
+    }
+
+    /// Slopes of the loss of the last backward pass with respect to the inputs, `[rows x stride]`; empty without a map.
+    pub fn input_slopes(&self) -> &[f32] {
+        &self.d_input
     }
 
     /// Rows of the last forward pass.
@@ -149,8 +165,9 @@ impl WaypointNet {
         let mut first = 0;
         let mut layers = Vec::with_capacity(sizes.len());
         for (index, &(inputs, outputs)) in sizes.iter().enumerate() {
-            // First layer and convolutions; the outward layers and the head are linear.
-            let rectified = index == 0 || index % 2 == 1 && index + 1 < sizes.len();
+            // First layer, convolutions and the map's; the outward layers and the head are linear.
+            let head = 2 * shape.dilations.len() + 1;
+            let rectified = index == 0 || index > head || index % 2 == 1 && index < head;
             let activation = if rectified { Activation::Relu } else { Activation::Linear };
             layers.push(Layer::new(inputs, outputs, first, activation));
             first += (inputs + 1) * outputs;
@@ -266,6 +283,34 @@ impl WaypointNet {
             *slope = if h > 0.0 { *slope } else { 0.0 };
         }
         first.weight_gradient(isa, rows, &scratch.input, &scratch.d_hidden, gradient);
+        if self.shape.map.is_some() {
+            scratch.d_input.resize(rows * self.input_stride(), 0.0);
+            let (d_hidden, d_input) = (&scratch.d_hidden, &mut scratch.d_input);
+            first.input_gradient(isa, linear, rows, d_hidden, &scratch.input, d_input);
+        }
+    }
+
+    /// Turns a map's inputs into features. Does nothing where the network has no map.
+    pub fn read_map(&self, map: &mut MapScratch) {
+        if let Some(shape) = &self.shape.map {
+            map_net::forward(shape, self.map_layers(), map);
+        }
+    }
+
+    /// Makes a map ready to collect slopes for [`WaypointNet::map_backward`].
+    pub fn begin_map(&self, map: &mut MapScratch) {
+        map_net::begin(map);
+    }
+
+    /// Adds to the flat `gradient` that of the loss whose slopes the map collected since it was read.
+    pub fn map_backward(&self, map: &mut MapScratch, gradient: &mut [f32]) {
+        if let Some(shape) = &self.shape.map {
+            map_net::backward(shape, self.map_layers(), map, gradient);
+        }
+    }
+
+    fn map_layers(&self) -> &[Layer] {
+        &self.layers[2 * self.shape.dilations.len() + 2..]
     }
 }
 
@@ -376,7 +421,7 @@ mod tests {
             dilations in prop::collection::vec(1_usize..4, 0..3),
             seed in 0_u64..1000,
         ) {
-            let shape = WaypointShape { inputs, width: 16, dilations };
+            let shape = WaypointShape { inputs, width: 16, dilations, map: None };
             let count = shape.parameter_count().unwrap();
             let net = WaypointNet::new(&shape, values(count, seed)).unwrap();
             let rows = waypoints * trajectories;
@@ -422,7 +467,7 @@ mod tests {
     #[test]
     fn refuses_shapes_that_do_not_fit() {
         let check = |inputs: usize, width: usize, dilations: &[usize], field: &str| {
-            let shape = WaypointShape { inputs, width, dilations: dilations.to_vec() };
+            let shape = WaypointShape { inputs, width, dilations: dilations.to_vec(), map: None };
             assert_eq!(WaypointNet::new(&shape, Vec::new()).unwrap_err().field, field);
         };
         check(0, 16, &[1], "network.inputs");

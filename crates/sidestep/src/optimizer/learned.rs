@@ -11,7 +11,7 @@ use crate::objective::Objective;
 use crate::observation::Encoder;
 use crate::policy::{Policy, PolicyNetwork};
 use crate::task::Task;
-use crate::waypoint_view::WaypointView;
+use crate::waypoint_view::{TaskMap, WaypointView};
 
 #[derive(Debug)]
 pub(super) struct Learned {
@@ -23,8 +23,18 @@ pub(super) struct Learned {
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant, reason = "one to a trajectory, and in a box already")]
 enum Sight {
-    Whole { encoder: Encoder, observation: Vec<f32>, action: Vec<f32>, scratch: Scratch },
-    Waypoints { view: WaypointView, scratch: WaypointScratch },
+    Whole {
+        encoder: Encoder,
+        observation: Vec<f32>,
+        action: Vec<f32>,
+        scratch: Scratch,
+    },
+    /// The map is made by the first step, for many a start needs none.
+    Waypoints {
+        view: WaypointView,
+        map: Option<TaskMap>,
+        scratch: WaypointScratch,
+    },
 }
 
 impl Learned {
@@ -44,8 +54,9 @@ impl Learned {
                     encoder,
                 }
             }
-            PolicyNetwork::Waypoint { probes, .. } => Sight::Waypoints {
-                view: WaypointView::new(probes, objective),
+            PolicyNetwork::Waypoint { view, .. } => Sight::Waypoints {
+                view: WaypointView::new(&view.probes, objective),
+                map: None,
                 scratch: WaypointScratch::default(),
             },
         };
@@ -63,9 +74,18 @@ impl Learned {
                 network.forward(observation, scratch, action);
                 rule.apply(action, objective.scene().field_size(), x);
             }
-            (PolicyNetwork::Waypoint { network, .. }, Sight::Waypoints { view, scratch }) => {
+            (
+                PolicyNetwork::Waypoint { view: parts, network },
+                Sight::Waypoints { view, map, scratch },
+            ) => {
                 let (waypoints, stride) = (objective.waypoints(), network.input_stride());
-                view.encode(objective, x, scratch.input(waypoints, stride), stride);
+                if let (Some(shape), None) = (&parts.map, &map) {
+                    let mut own = TaskMap::new(shape, objective);
+                    network.read_map(own.scratch());
+                    *map = Some(own);
+                }
+                let rows = scratch.input(waypoints, stride);
+                view.encode(objective, x, map.as_ref(), rows, stride);
                 network.forward(scratch, waypoints);
                 view.apply(rule, |i| scratch.output(i), x);
             }

@@ -1,15 +1,15 @@
-//! The planner for people who want a path: an optimizer, and the exact shortest path behind it.
+//! The planner for people who want a path: learned optimizers, and the exact shortest path behind them.
 //!
 //! 1. The straight line itself, where nothing is asked for but the first plan.
-//! 2. The optimizer, from the straight line and as many starts as asked for. A plan hardly longer
-//!    than the straight line is the answer.
+//! 2. The quick optimizer from the straight line; where more starts are asked for, the thorough one from all of them. A plan
+//!    hardly longer than the straight line is the answer.
 //! 3. The exact shortest path, which also proves that there is none. A plan of step 2 hardly
 //!    longer than it is the answer.
 //! 4. The shortest path made smooth ([`crate::smooth`]).
 //! 5. The shortest path itself.
 //!
 //! So every task is answered that the exact search decides, and no plan is longer than
-//! [`LONGEST`] times the shortest. Where the search does not decide, random starts follow.
+//! [`LONGEST`] times the shortest. Where the search does not decide, the thorough optimizer from random starts follows.
 
 use std::sync::Arc;
 
@@ -19,66 +19,125 @@ use crate::error::InvalidInput;
 use crate::geometry::distance;
 use crate::objective::Scene;
 use crate::optimizer::Method;
+use crate::shipped;
 use crate::smooth::smooth;
 use crate::task::Task;
 use crate::trajectory::Trajectory;
 
 /// A plan may be this many times as long as the shortest path.
 pub const LONGEST: f64 = 1.2;
-/// Steps of a learned optimizer from each start: it is through after a few, or hardly ever.
+/// Steps of the quick optimizer: after so many, the exact path made smooth takes less time than going on.
+const QUICK_STEPS: usize = 24;
+/// Steps of a learned optimizer from each of several starts: it is through after a few, or hardly ever.
 const LEARNED_STEPS: usize = 40;
 /// Starts that are tried at least where the exact search does not decide.
 const STARTS: usize = 5;
 
-pub(super) fn auto(
-    scene: &Arc<Scene>,
-    task: &Task,
-    method: &Method,
-    options: &Options,
-    watch: Watch<'_>,
-) -> Result<Plan, InvalidInput> {
-    if options.stop == Stop::First && options.warm_start.is_none() {
-        let certifier = scene.certifier();
-        if certifier.segment_is_free(task.start, task.goal) {
-            return Ok(straight(certifier, task, options.waypoints()));
+/// The optimizers of the planner `auto`.
+#[derive(Debug, Clone)]
+pub struct Auto {
+    /// Tried first, from the straight line.
+    pub quick: Method,
+    /// Tried from many starts, where these are asked for or nothing else helps.
+    pub thorough: Method,
+}
+
+impl Default for Auto {
+    /// `sidestep-1-small` and `sidestep-1`.
+    fn default() -> Self {
+        Self {
+            quick: Method::Learned(shipped::sidestep_1_small()),
+            thorough: Method::Learned(shipped::sidestep_1()),
         }
     }
-    let steps = match method {
-        Method::Learned(_) => options.steps.min(LEARNED_STEPS),
-        _ => options.steps,
-    };
-    let optimized = optimize(scene, task, method, &Options { steps, ..options.clone() }, watch)?;
-    let is_short = |plan: &Plan, shortest: f64| {
-        let length = plan.trajectory.as_ref().map_or(f64::INFINITY, Trajectory::length);
-        plan.status == Status::Solved && length <= LONGEST * shortest
-    };
-    if is_short(&optimized, distance(task.start, task.goal)) {
-        return Ok(optimized);
+}
+
+impl Auto {
+    /// With the same optimizer for both parts.
+    pub fn with(method: Method) -> Self {
+        Self { quick: method.clone(), thorough: method }
     }
-    let exact = shortest(scene, task);
-    let Some(path) = exact.trajectory.as_ref().filter(|_| exact.status == Status::Solved) else {
-        return match exact.status {
-            _ if optimized.status == Status::Solved => Ok(optimized),
-            Status::Unsolved(_) if options.starts < STARTS => {
-                let options = Options { starts: STARTS, ..options.clone() };
-                optimize(scene, task, method, &options, watch)
+
+    pub(super) fn plan(
+        &self,
+        scene: &Arc<Scene>,
+        task: &Task,
+        options: &Options,
+        watch: Watch<'_>,
+    ) -> Result<Plan, InvalidInput> {
+        if options.stop == Stop::First && options.warm_start.is_none() {
+            let certifier = scene.certifier();
+            if certifier.segment_is_free(task.start, task.goal) {
+                return Ok(straight(certifier, task, options.waypoints()));
             }
-            _ => Ok(Plan { trajectory: optimized.trajectory, ..exact }),
+        }
+        let is_short = |plan: &Plan, shortest: f64| {
+            let length = plan.trajectory.as_ref().map_or(f64::INFINITY, Trajectory::length);
+            plan.status == Status::Solved && length <= LONGEST * shortest
         };
-    };
-    if is_short(&optimized, path.length()) {
-        return Ok(optimized);
+        let straight_length = distance(task.start, task.goal);
+        let mut optimized = self.quickly(scene, task, options, watch)?;
+        if options.starts > 1 && !is_short(&optimized, straight_length) {
+            optimized = self.thoroughly(scene, task, options, watch)?;
+        }
+        if is_short(&optimized, straight_length) {
+            return Ok(optimized);
+        }
+        let exact = shortest(scene, task);
+        let Some(path) = exact.trajectory.as_ref().filter(|_| exact.status == Status::Solved)
+        else {
+            return match exact.status {
+                _ if optimized.status == Status::Solved => Ok(optimized),
+                Status::Unsolved(_) if options.starts < STARTS => {
+                    let options = Options { starts: STARTS, ..options.clone() };
+                    self.thoroughly(scene, task, &options, watch)
+                }
+                _ => Ok(Plan { trajectory: optimized.trajectory, ..exact }),
+            };
+        };
+        if is_short(&optimized, path.length()) {
+            return Ok(optimized);
+        }
+        let smoothed = smooth(scene, task, path, LONGEST, options.steps, options.starts, watch)?;
+        Ok(match smoothed {
+            Some(smooth) => Plan {
+                status: Status::Solved,
+                trajectory: Some(smooth.trajectory),
+                steps: smooth.steps,
+                origin: Origin::SmoothShortestPath,
+            },
+            None => exact,
+        })
     }
-    let smoothed = smooth(scene, task, path, LONGEST, options.steps, options.starts, watch)?;
-    Ok(match smoothed {
-        Some(smooth) => Plan {
-            status: Status::Solved,
-            trajectory: Some(smooth.trajectory),
-            steps: smooth.steps,
-            origin: Origin::SmoothShortestPath,
-        },
-        None => exact,
-    })
+
+    fn quickly(
+        &self,
+        scene: &Arc<Scene>,
+        task: &Task,
+        options: &Options,
+        watch: Watch<'_>,
+    ) -> Result<Plan, InvalidInput> {
+        let steps = match self.quick {
+            Method::Learned(_) => options.steps.min(QUICK_STEPS),
+            _ => options.steps,
+        };
+        let options = Options { steps, starts: 1, ..options.clone() };
+        optimize(scene, task, &self.quick, &options, watch)
+    }
+
+    fn thoroughly(
+        &self,
+        scene: &Arc<Scene>,
+        task: &Task,
+        options: &Options,
+        watch: Watch<'_>,
+    ) -> Result<Plan, InvalidInput> {
+        let steps = match self.thorough {
+            Method::Learned(_) => options.steps.min(LEARNED_STEPS),
+            _ => options.steps,
+        };
+        optimize(scene, task, &self.thorough, &Options { steps, ..options.clone() }, watch)
+    }
 }
 
 /// The straight line, which was certified, with waypoints unless rounding puts one of them too close.
@@ -105,7 +164,7 @@ mod tests {
 
     /// Every decided task is answered, at most [`LONGEST`] times the shortest path long.
     fn check(tasks: &[Task], profile: Profile) -> Vec<Plan> {
-        let planner = Planner::Auto(Method::GradientDescent { step: None });
+        let planner = Planner::Auto(Auto::with(Method::GradientDescent { step: None }));
         let options = Options { profile, ..Options::default() };
         let plans = plan_batch(tasks, &planner, &options).unwrap();
         for (index, (task, plan)) in tasks.iter().zip(&plans).enumerate() {
