@@ -10,7 +10,7 @@ use clap::Args;
 use serde::Serialize;
 use sidestep::error::MAX_COORDINATE;
 use sidestep::geometry::Point;
-use sidestep::objective::Scene;
+use sidestep::objective::{Objective, Scene};
 use sidestep::plan::{Plan, Status, Stop, plan_in};
 use sidestep::run::Iteration;
 use sidestep::{InvalidInput, Robot, Task, Trajectory};
@@ -201,15 +201,21 @@ fn with_margin(task: &Task, margin: f64) -> Result<Task, Failure> {
     Ok(Task { robot: Robot::disc(task.robot.radius() + margin)?, ..task.clone() })
 }
 
-/// An iterate in task units.
-fn step(scene: &Scene, task: &Task, iteration: &Iteration<'_>) -> Step {
+/// An iterate in task units. Methods that do not use U leave it to be computed here.
+fn step(scene: &Arc<Scene>, task: &Task, iteration: &Iteration<'_>) -> Step {
+    let waypoints = iteration.waypoints.len() / 2;
+    let cost = iteration.cost.or_else(|| {
+        let mut objective = Objective::new(task, scene.clone(), waypoints).ok()?;
+        Some(objective.cost(iteration.waypoints))
+    });
+    let cost = cost.unwrap_or_default();
     let inner = iteration.waypoints.as_chunks::<2>().0.iter().map(|&p| scene.frame().to_task(p));
     Step {
         start: iteration.start,
         iteration: iteration.index,
-        objective: iteration.cost.total,
-        obstacle_cost: iteration.cost.obstacle,
-        length_cost: iteration.cost.length,
+        objective: cost.total,
+        obstacle_cost: cost.obstacle,
+        length_cost: cost.length,
         certified: iteration.solved,
         waypoints: std::iter::once(task.start).chain(inner).chain([task.goal]).collect(),
     }

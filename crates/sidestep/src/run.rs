@@ -23,8 +23,8 @@ pub struct Iteration<'a> {
     pub start: usize,
     /// Index of the iterate; 0 is the start trajectory itself.
     pub index: usize,
-    /// U at the iterate.
-    pub cost: Cost,
+    /// U at the iterate, where the method or the end of the run asks for it.
+    pub cost: Option<Cost>,
     /// The waypoints, `[N x 2]`, normalised units.
     pub waypoints: &'a [f32],
     /// Whether the check that ends the run passed.
@@ -79,16 +79,16 @@ pub fn run(
         let solved = if until == Until::Feasible { feasible } else { certified };
         let ends = solved && until != Until::Spent || index == steps;
         let cost = if optimizer.uses_gradient() {
-            objective.cost_and_gradient(x, &mut gradient)
+            Some(objective.cost_and_gradient(x, &mut gradient))
         } else {
-            objective.cost(x)
+            certified.then(|| objective.cost(x))
         };
         run.steps = index;
         run.feasible_at_end = feasible;
         if feasible {
             run.first_feasible.get_or_insert(index);
         }
-        if certified {
+        if let (true, Some(cost)) = (certified, cost) {
             run.first_certified.get_or_insert(index);
             keep_best(&mut run.best, cost.total, x);
         }
@@ -96,7 +96,7 @@ pub fn run(
         if watch(&seen).is_break() || ends {
             break;
         }
-        optimizer.step(x, cost, &gradient, objective);
+        optimizer.step(x, cost.unwrap_or_default(), &gradient, objective);
     }
     run
 }

@@ -14,7 +14,7 @@ use sidestep::objective::{Objective, Scene};
 use sidestep::optimizer::{Method, Optimizer};
 use sidestep::plan::{Options, Plan, Planner, Status, by_world, plan_in};
 use sidestep::rng::{Purpose, stream};
-use sidestep::run::{Run, Until, run};
+use sidestep::run::{Iteration, Run, Until, run};
 use sidestep::{InvalidInput, Task, Trajectory};
 
 use super::report::Row;
@@ -303,36 +303,93 @@ fn all_runs(
             bar.inc(1);
             outcome
         };
-        all.extend(in_scenes(set, options, run_one)?.into_iter().map(|(runs, _)| runs));
+        all.extend(in_scenes(set, options, run_one)?);
     }
     Ok(all)
 }
 
-/// Microseconds per iteration, the median over the first `timed` tasks of each set, one after the other on this thread;
-/// every start of each to the end. `None` if no task is timed.
+/// Microseconds per iteration as planning makes them, until a start is certified: those of the first `timed` tasks of each
+/// set that take a step, one after the other on this thread, over all of their steps. `None` if none does.
 pub fn us_per_iteration(
     sets: &[TaskSet],
     method: &Method,
     options: &Options,
     timed: usize,
 ) -> Result<Option<f64>, Failure> {
-    let mut times = Vec::new();
+    let (mut seconds, mut steps) = (0.0, 0);
     for set in sets {
         for (first, tasks) in by_world(&set.tasks[..timed.min(set.tasks.len())]) {
             let scene = Arc::new(Scene::of(&tasks[0], &options.profile));
             for (offset, task) in tasks.iter().enumerate() {
-                let index = (first + offset) as u64;
-                let (runs, seconds) = all_starts(&scene, task, index, method, options, false)?;
-                let steps: usize = runs.iter().map(|run| run.steps).sum();
-                times.push(seconds * 1e6 / steps.max(1) as f64);
+                let walk = Walk::new(&scene, task, (first + offset) as u64, method, options)?;
+                let (seconds_of_task, steps_of_task) = walk.until_certified()?;
+                if steps_of_task > 0 {
+                    seconds += seconds_of_task;
+                    steps += steps_of_task;
+                }
             }
         }
     }
-    Ok(quantile(&mut times, 0.5))
+    Ok((steps > 0).then(|| seconds * 1e6 / steps as f64))
 }
 
-/// Runs every start, and the seconds that the iterations took. In a race a run ends where it is certified, or where no
-/// later iterate could be the first of all starts.
+/// The starts of one task.
+struct Walk<'a> {
+    task: &'a Task,
+    index: u64,
+    method: &'a Method,
+    options: &'a Options,
+    objective: Objective,
+    x: Vec<f32>,
+}
+
+impl<'a> Walk<'a> {
+    fn new(
+        scene: &Arc<Scene>,
+        task: &'a Task,
+        index: u64,
+        method: &'a Method,
+        options: &'a Options,
+    ) -> Result<Self, InvalidInput> {
+        let waypoints = options.waypoints.unwrap_or(options.profile.waypoints);
+        let objective = Objective::new(task, scene.clone(), waypoints)?;
+        let x = vec![0.0; objective.dim()];
+        Ok(Self { task, index, method, options, objective, x })
+    }
+
+    /// Puts x at a start, and begins the method there.
+    fn begin(&mut self, start: usize) -> Result<Optimizer, InvalidInput> {
+        let Self { task, index, method, options, objective, x } = self;
+        if start == 0 {
+            objective.straight_line(x);
+        } else {
+            let mut rng = stream(options.seed, Purpose::Start, *index, start as u64);
+            options.strategy.draw(objective, &mut rng, x);
+        }
+        let rng = stream(options.seed, Purpose::Planner, *index, start as u64);
+        Optimizer::new(method, task, objective, rng)
+    }
+
+    /// Seconds and steps until the first start is certified.
+    fn until_certified(mut self) -> Result<(f64, usize), InvalidInput> {
+        let (mut seconds, mut steps) = (0.0, 0);
+        for start in 0..self.options.starts {
+            let mut optimizer = self.begin(start)?;
+            let (objective, most) = (&mut self.objective, self.options.steps);
+            let begin = Instant::now();
+            let go_on = |_: &Iteration<'_>| ControlFlow::Continue(());
+            let found = run(objective, &mut optimizer, &mut self.x, most, Until::Certified, go_on);
+            seconds += begin.elapsed().as_secs_f64();
+            steps += found.steps;
+            if found.first_certified.is_some() {
+                break;
+            }
+        }
+        Ok((seconds, steps))
+    }
+}
+
+/// Runs every start. In a race a run ends where it is certified, or where no later iterate could be the first of all starts.
 fn all_starts(
     scene: &Arc<Scene>,
     task: &Task,
@@ -340,34 +397,23 @@ fn all_starts(
     method: &Method,
     options: &Options,
     race: bool,
-) -> Result<(Vec<Run>, f64), InvalidInput> {
-    let waypoints = options.waypoints.unwrap_or(options.profile.waypoints);
-    let mut objective = Objective::new(task, scene.clone(), waypoints)?;
-    let mut x = vec![0.0; objective.dim()];
-    let mut seconds = 0.0;
+) -> Result<Vec<Run>, InvalidInput> {
+    let mut walk = Walk::new(scene, task, index, method, options)?;
     let mut runs = Vec::with_capacity(options.starts);
     for start in 0..options.starts {
-        if start == 0 {
-            objective.straight_line(&mut x);
-        } else {
-            let mut rng = stream(options.seed, Purpose::Start, index, start as u64);
-            options.strategy.draw(&objective, &mut rng, &mut x);
-        }
-        let rng = stream(options.seed, Purpose::Planner, index, start as u64);
-        let mut optimizer = Optimizer::new(method, task, &objective, rng)?;
+        let mut optimizer = walk.begin(start)?;
         let first = |pick: fn(&Run) -> Option<usize>| runs.iter().filter_map(pick).min();
         let steps = match (first(|run| run.first_feasible), first(|run| run.first_certified)) {
             (Some(feasible), Some(_)) if race => options.steps.min(feasible),
             _ => options.steps,
         };
-        let begin = Instant::now();
-        let found = run(&mut objective, &mut optimizer, &mut x, steps, Until::Spent, |seen| {
+        let (objective, x) = (&mut walk.objective, &mut walk.x);
+        let found = run(objective, &mut optimizer, x, steps, Until::Spent, |seen| {
             if race && seen.solved { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         runs.push(found);
-        seconds += begin.elapsed().as_secs_f64();
     }
-    Ok((runs, seconds))
+    Ok(runs)
 }
 
 #[cfg(test)]

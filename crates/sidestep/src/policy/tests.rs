@@ -110,6 +110,55 @@ fn contradictions_name_both_sides() {
     check(changed(|d| d["licence"] = serde_json::Value::Null), "invalid type: null");
 }
 
+fn waypoint_policy() -> Policy {
+    let card = card(&["waypoints", "probes:4x1", "map:5x16x1,2"], 10);
+    let view = ViewParts::from_names(&card.observation).unwrap();
+    let shape =
+        WaypointShape { inputs: view.row_len(), width: 16, dilations: vec![1, 3], map: view.map };
+    let count = shape.parameter_count().unwrap();
+    let parameters = (0..count).map(|i| (i as f32 * 0.7).sin()).collect();
+    Policy::of_waypoints(card, WaypointNet::new(&shape, parameters).unwrap()).unwrap()
+}
+
+#[test]
+fn a_waypoint_policy_comes_back_and_others_are_refused() {
+    let policy = waypoint_policy();
+    let bytes = policy.to_safetensors().unwrap();
+    assert_eq!(Policy::from_safetensors(&bytes).unwrap(), policy);
+    let PolicyNetwork::Waypoint { network, .. } = policy.network() else { panic!() };
+    let file = |document: &serde_json::Value, parameters: &[f32]| {
+        let sizes = network.shape().layer_sizes();
+        let tensors = layer_tensors(&sizes, network.layer_ranges(), parameters, "");
+        tensors::write(document, &tensors).unwrap()
+    };
+    let document = serde_json::to_value(policy.card()).unwrap();
+    let check = |bytes: &[u8], expected: &[&str]| {
+        let message = Policy::from_safetensors(bytes).unwrap_err().to_string();
+        assert!(expected.iter().all(|part| message.contains(part)), "{message}");
+    };
+    let mut parameters = network.parameters().to_vec();
+    parameters[1000] = f32::NAN;
+    check(&file(&document, &parameters), &["finite"]);
+    check(&bytes[..bytes.len() - 5], &["policy"]);
+    check(&bytes[..bytes.len() / 2], &["policy"]);
+    let changed = |change: &dyn Fn(&mut serde_json::Value), expected: &[&str]| {
+        let mut document = document.clone();
+        change(&mut document);
+        check(&file(&document, network.parameters()), expected);
+    };
+    let parts = |map: &str| serde_json::json!(["waypoints", "probes:4x1", map]);
+    changed(&|d| d["observation"] = parts("map:5x24x1,2"), &["map:5x24x1,2", "a multiple of 16"]);
+    changed(&|d| d["observation"] = parts("map:5x16x1,5"), &["map:5x16x1,5", "below the cells"]);
+    changed(&|d| d["observation"] = parts("map:5x16"), &["map:GxCxD1,D2"]);
+    changed(&|d| d["observation"] = parts("map:6x16x1"), &["layers"]);
+    changed(&|d| d["observation"] = parts("gradient"), &["observation: gradient", "map:"]);
+    changed(&|d| d["sizes"][0] = 119.into(), &["policy.sizes", "118, width"]);
+    changed(&|d| d["sizes"][1] = 17.into(), &["network.width: 17"]);
+    changed(&|d| d["sizes"][1] = (1_u64 << 40).into(), &["network.width"]);
+    changed(&|d| d["sizes"][2] = 0.into(), &["network.dilations: 0"]);
+    changed(&|d| d["architecture"] = "mlp".into(), &["waypoints"]);
+}
+
 #[test]
 fn waypoints_that_do_not_fit_are_named() {
     let message = policy().check_use(12, "paper").unwrap_err().to_string();
