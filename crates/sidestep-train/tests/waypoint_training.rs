@@ -7,7 +7,7 @@ use sidestep_train::waypoint::{StageConfig, StageKind, WaypointConfig};
 fn config() -> WaypointConfig {
     let stage = |kind, updates, learning_rate| StageConfig { kind, updates, learning_rate };
     let mut config = WaypointConfig {
-        observation: vec!["waypoints".into(), "probes:4x0.5,1.5".into()],
+        observation: ["waypoints", "probes:4x0.5,1.5", "map:6x16x1,2"].map(String::from).into(),
         stages: vec![
             stage(StageKind::Imitation, 500, 2e-3),
             stage(StageKind::PolicyGradient, 250, 1e-4),
@@ -21,6 +21,7 @@ fn config() -> WaypointConfig {
     config.policy_gradient.tasks = 3;
     config.policy_gradient.walks = 2;
     config.policy_gradient.steps = 4;
+    config.policy_gradient.epochs = 2;
     config.validation.count = 30;
     config.validation.every = 1;
     config
@@ -87,6 +88,12 @@ fn bad_configurations_name_field_value_and_range() {
     check("[tasks]\nwaypoints = [9, 3]", "tasks.waypoints: [9, 3]");
     check("[validation]\nseed = 1", "validation.seed: 1");
     check("[imitation]\ntasks = 0", "imitation.tasks: 0");
+    check("[policy_gradient]\nepochs = 0", "policy_gradient.epochs: 0");
+    check("[policy_gradient]\nsolved = 1.5", "policy_gradient.solved: 1.5");
+    check(
+        "observation = [\"waypoints\", \"probes:4x1\", \"map:3x16x1\"]",
+        "observation: map:3x16x1",
+    );
     check(
         "[[stages]]\nkind = \"imitation\"\nupdates = -1\nlearning_rate = 1.0",
         "stages.updates: -1",

@@ -132,6 +132,10 @@ pub struct PolicyGradientConfig {
     pub other_starts: f32,
     /// Share that is walked of the tasks that the present policy solves without noise.
     pub solved: f32,
+    /// How often the same walks are learned from; more than once is PPO.
+    pub epochs: usize,
+    /// From the second epoch on, how far the ratio of densities may leave 1.
+    pub clip: f32,
 }
 
 /// The tasks that choose the best policy.
@@ -221,6 +225,8 @@ impl Default for PolicyGradientConfig {
             stretch: 0.5,
             other_starts: 0.25,
             solved: 0.5,
+            epochs: 1,
+            clip: 0.2,
         }
     }
 }
@@ -306,6 +312,7 @@ impl WaypointConfig {
             ("policy_gradient.stretch", gradient.stretch),
             ("policy_gradient.other_starts", gradient.other_starts),
             ("policy_gradient.solved", gradient.solved),
+            ("policy_gradient.clip", gradient.clip),
         ] {
             if !(0.0..=1.0).contains(&value) {
                 return refuse(field, &value, "a number from 0 to 1");
@@ -329,6 +336,7 @@ impl WaypointConfig {
             ("imitation.life", u64::from(imitation.life), 100_000),
             ("imitation.long_life", u64::from(imitation.long_life), 100_000),
             ("policy_gradient.tasks", gradient.tasks as u64, 256),
+            ("policy_gradient.epochs", gradient.epochs as u64, 100),
             ("policy_gradient.walks", gradient.walks as u64, 256),
             ("policy_gradient.steps", gradient.steps as u64, 1000),
             ("validation.count", validation.count as u64, 100_000),

@@ -1,7 +1,8 @@
-//! Policy gradient on success (REINFORCE: Williams 1992) with the task's own walks as the baseline.
+//! Policy gradient on success (REINFORCE: Williams 1992) with the task's own walks as the baseline, and PPO on the same walks
+//! (Schulman et al. 2017, arXiv:1707.06347) where they are learned from more than once.
 //!
-//! Each task is walked K times from one start, mostly the straight line, with smooth noise on every step: with shapes phi_k(i) = sin(pi k i / (N + 1))
-//! and z standard normal,
+//! Each task is walked K times from one start, mostly the straight line, with smooth noise on every step: with shapes
+//! phi_k(i) = sin(pi k i / (N + 1)) and z standard normal,
 //!
 //! ```text
 //! step = output + noise,   noise = sum over k = 1..4 of (sigma / k) z_k phi_k        (in both directions)
@@ -12,258 +13,217 @@
 //!
 //! which is the score of the noise modes: what lies outside of them is not explored and not learned here. Tasks whose
 //! walks all end alike teach nothing.
+//!
+//! After the first epoch the output has moved from what was walked by, so that the same step is another noise, and counts by the
+//! ratio of densities, clipped as PPO does:
+//!
+//! ```text
+//! z'_k = z_k + (old output - output) . phi_k / |phi_k|^2 / (sigma / k)
+//! r = exp(sum of (z^2 - z'^2) / 2);   loss = -min(r A, clamp(r, 1 - clip, 1 + clip) A)
+//! ```
 
-use rand::RngExt;
-use sidestep::network::{WaypointNet, WaypointScratch};
-use sidestep::objective::{Objective, Scene};
-use sidestep::profile::Profile;
-use sidestep::rng::{Purpose, stream};
-use sidestep::starts::{StartStrategy, bend};
-use sidestep::waypoint_view::{TaskMap, WaypointView};
-use std::sync::Arc;
+use sidestep::network::{OUTPUTS, WaypointScratch};
 
-use super::config::PolicyGradientConfig;
-use super::imitation::{Part, Recipe};
-use super::loss::PIXEL;
-use crate::gaussian::standard_normal;
+use super::imitation::Part;
+use super::walks::{MODES, Shapes, Walk, Walked, Walker};
 
-const MODES: usize = 4;
-
-/// Walks on one task after the other, with their buffers.
+/// The walks on some tasks of an update, with the buffers to learn from them.
 #[derive(Debug, Default)]
-pub(super) struct Walks {
+pub(super) struct Lessons {
     scratch: WaypointScratch,
+    walked: Vec<Walked>,
+    /// Outputs that each walk with an advantage was walked by, in order.
+    old: Vec<Vec<[f32; OUTPUTS]>>,
+    d_output: Vec<[f32; OUTPUTS]>,
 }
 
-#[derive(Clone)]
-struct Walk {
-    x: Vec<f32>,
-    view: WaypointView,
-    /// Steps until it was free.
-    solved: Option<usize>,
-    /// Rows that went into the network, step by step.
-    seen: Vec<f32>,
-    /// Where the waypoints were then, `[steps x N x 2]`.
-    places: Vec<f32>,
-    /// Noise `[steps x 2 x MODES]`.
-    noise: Vec<f32>,
-}
-
-impl Walks {
-    /// Walks task `index` of update `update`; adds the gradient summed over walks to `part`.
-    pub fn run(
+impl Lessons {
+    /// Walks these tasks of an update.
+    pub fn walk(
         &mut self,
-        net: &WaypointNet,
-        recipe: &Recipe,
-        settings: &PolicyGradientConfig,
+        walker: Walker<'_>,
         update: u64,
-        index: u64,
+        tasks: std::ops::Range<u64>,
         part: &mut Part,
     ) {
-        let mut number = 1 << 44 | (update * 256 + index) << 16;
-        loop {
-            number += 1;
-            if self.walk_task(net, recipe, settings, number, part) {
-                break;
-            }
+        self.walked.clear();
+        self.old.clear();
+        for task in tasks {
+            let walked = walker.walk(update, task, &mut self.scratch, &mut part.sums);
+            self.walked.push(walked);
         }
     }
 
-    /// Whether the task was worth walking.
-    fn walk_task(
-        &mut self,
-        net: &WaypointNet,
-        recipe: &Recipe,
-        settings: &PolicyGradientConfig,
-        number: u64,
-        part: &mut Part,
-    ) -> bool {
-        let mut rng = stream(recipe.seed, Purpose::Environment, number, 0);
-        let task = recipe.tasks.draw(number, &mut rng);
-        let waypoints = Profile::DEFAULT.waypoints;
-        let scene = Arc::new(Scene::of(&task, &Profile::DEFAULT));
-        if scene.certifier().segment_is_free(task.start, task.goal) {
-            return false;
-        }
-        let Ok(objective) = Objective::new(&task, scene.clone(), waypoints) else { return false };
-        let mut x = vec![0.0; objective.dim()];
-        objective.straight_line(&mut x);
-        if rng.random::<f32>() < settings.other_starts {
-            if rng.random::<bool>() {
-                StartStrategy::ViaPoint.draw(&objective, &mut rng, &mut x);
-            } else {
-                bend(&mut x, 1.0, &mut rng);
-            }
-        }
-        let view = WaypointView::new(&recipe.view.probes, &objective);
-        let mut map = recipe.view.map.as_ref().map(|shape| {
-            let mut map = TaskMap::new(shape, &objective);
-            net.begin_map(map.scratch());
-            net.read_map(map.scratch());
-            map
-        });
-        let keeps = rng.random::<f32>() < settings.solved;
-        if !keeps && self.solves(net, recipe, settings, &objective, view.clone(), map.as_ref(), &x)
-        {
-            return false;
-        }
-        let route = scene.shortest_path().find(task.start, task.goal);
-        let Some(shortest) = route.length() else { return false };
-        let walk =
-            Walk { x, view, solved: None, seen: Vec::new(), places: Vec::new(), noise: Vec::new() };
-        let mut walks = vec![walk; settings.walks];
-        let (stride, dim) = (net.input_stride(), waypoints * net.input_stride());
-        let shapes = Shapes::new(waypoints);
-        let gain = recipe.rule.scale / PIXEL;
-        let sigma = settings.noise_pixels / gain;
-        for step in 0..=settings.steps {
-            let mut active = Vec::with_capacity(walks.len());
-            let rows = walks.len() * waypoints;
-            let input = self.scratch.input(rows, stride);
-            for (index, walk) in walks.iter_mut().enumerate() {
-                if walk.solved.is_some() {
-                    continue;
-                }
-                let block = &mut input[active.len() * dim..][..dim];
-                walk.view.encode(&objective, &walk.x, map.as_ref(), block, stride);
-                if walk.view.is_free() {
-                    walk.solved = Some(step);
-                } else if step < settings.steps {
-                    walk.seen.extend_from_slice(block);
-                    walk.places.extend_from_slice(&walk.x);
-                    active.push(index);
-                }
-            }
-            if active.is_empty() {
-                break;
-            }
-            self.scratch.input(active.len() * waypoints, stride);
-            net.forward(&mut self.scratch, waypoints);
-            for (place, &index) in active.iter().enumerate() {
-                let walk = &mut walks[index];
-                let z: Vec<f32> = (0..MODES).flat_map(|_| standard_normal(&mut rng)).collect();
-                let output = |i: usize| {
-                    let mut out = self.scratch.output(place * waypoints + i);
-                    for mode in 0..MODES {
-                        let size = sigma / (mode + 1) as f32 * shapes.values[mode][i];
-                        out[0] += size * z[2 * mode];
-                        out[1] += size * z[2 * mode + 1];
-                    }
-                    out
-                };
-                walk.view.apply(&recipe.rule, output, &mut walk.x);
-                walk.noise.extend(z);
-            }
-        }
-        let score = |walk: &Walk| match walk.solved {
-            Some(t) => {
-                let length = objective.trajectory(&walk.x).length();
-                let longer = ((length / shortest - 1.0) as f32).clamp(0.0, 1.0);
-                1.0 - settings.haste * t as f32 / settings.steps as f32 - settings.stretch * longer
-            }
-            None => 0.0,
-        };
-        let returns: Vec<f32> = walks.iter().map(score).collect();
-        let count = returns.len() as f32;
-        let mean = returns.iter().sum::<f32>() / count;
-        let spread = (returns.iter().map(|r| (r - mean) * (r - mean)).sum::<f32>() / count).sqrt();
-        part.sums.loss -= f64::from(mean) * f64::from(count);
-        part.sums.ended += f64::from(count);
-        part.sums.solved += walks.iter().filter(|walk| walk.solved.is_some()).count() as f64;
-        for (walk, r) in walks.iter().zip(&returns) {
-            part.sums.steps += (walk.seen.len() / dim) as f64;
-            let advantage = (r - mean) / (spread + 0.1);
-            if spread < 1e-6 {
-                continue;
-            }
-            self.learn(net, walk, waypoints, advantage, sigma, &shapes, &mut part.gradient);
-            if let Some(map) = &mut map {
-                let (slopes, row_len) = (self.scratch.input_slopes(), recipe.view.row_len());
-                map.collect_rows(&walk.places, slopes, stride, row_len);
-            }
-        }
-        if let Some(map) = &mut map {
-            net.map_backward(map.scratch(), &mut part.gradient);
-        }
-        true
-    }
-
-    /// Whether the policy walks from `x` to a free trajectory without noise.
-    #[allow(clippy::too_many_arguments, reason = "all that a walk is made of")]
-    fn solves(
-        &mut self,
-        net: &WaypointNet,
-        recipe: &Recipe,
-        settings: &PolicyGradientConfig,
-        objective: &Objective,
-        mut view: WaypointView,
-        map: Option<&TaskMap>,
-        x: &[f32],
-    ) -> bool {
-        let (waypoints, stride) = (objective.waypoints(), net.input_stride());
-        let mut x = x.to_vec();
-        for step in 0..=settings.steps {
-            let rows = self.scratch.input(waypoints, stride);
-            view.encode(objective, &x, map, rows, stride);
-            if view.is_free() {
-                return true;
-            }
-            if step < settings.steps {
-                net.forward(&mut self.scratch, waypoints);
-                view.apply(&recipe.rule, |i| self.scratch.output(i), &mut x);
-            }
-        }
-        false
-    }
-
-    #[allow(clippy::too_many_arguments, reason = "one formula, and all it is made of")]
-    fn learn(
-        &mut self,
-        net: &WaypointNet,
-        walk: &Walk,
-        waypoints: usize,
-        advantage: f32,
-        sigma: f32,
-        shapes: &Shapes,
-        gradient: &mut [f32],
-    ) {
+    /// Adds the gradient summed over walks to `part`; the first call after [`Lessons::walk`] is the first epoch.
+    pub fn learn(&mut self, walker: Walker<'_>, part: &mut Part) {
+        let Self { scratch, walked, old, d_output } = self;
+        let (net, row_len) = (walker.net, walker.recipe.view.row_len());
         let stride = net.input_stride();
-        let rows = walk.seen.len() / stride;
-        self.scratch.input(rows, stride).copy_from_slice(&walk.seen);
-        net.forward(&mut self.scratch, waypoints);
-        let mut d_output = Vec::with_capacity(rows);
-        for z in walk.noise.chunks_exact(2 * MODES) {
-            for i in 0..waypoints {
-                let mut slope = [0.0; 2];
-                for mode in 0..MODES {
-                    let factor =
-                        (mode + 1) as f32 / sigma * shapes.values[mode][i] / shapes.squares[mode];
-                    slope[0] -= advantage * factor * z[2 * mode];
-                    slope[1] -= advantage * factor * z[2 * mode + 1];
+        let mut place = 0;
+        for Walked { map, walks } in walked {
+            let is_first = old.len() == place;
+            if let (Some(map), false) = (map.as_mut(), is_first) {
+                net.read_map(map.scratch());
+            }
+            for walk in walks.iter() {
+                let Some(advantage) = walk.advantage else { continue };
+                let rows = walk.seen.len() / stride;
+                scratch.input(rows, stride).copy_from_slice(&walk.seen);
+                if let (Some(map), false) = (map.as_ref(), is_first) {
+                    map.read_rows(&walk.places, scratch.input(rows, stride), stride, row_len);
                 }
-                d_output.push(slope);
+                let waypoints = walk.places.len() / 2 / (walk.noise.len() / (2 * MODES)).max(1);
+                net.forward(scratch, waypoints.max(1));
+                if old.len() == place {
+                    old.push((0..rows).map(|row| scratch.output(row)).collect());
+                }
+                slopes(walker, walk, advantage, waypoints, &old[place], scratch, d_output);
+                place += 1;
+                net.backward(d_output, scratch, &mut part.gradient);
+                if let Some(map) = map.as_mut() {
+                    map.collect_rows(&walk.places, scratch.input_slopes(), stride, row_len);
+                }
+            }
+            if let Some(map) = map.as_mut() {
+                net.map_backward(map.scratch(), &mut part.gradient);
             }
         }
-        net.backward(&d_output, &mut self.scratch, gradient);
     }
 }
 
-/// The noise modes over the waypoints.
-struct Shapes {
-    values: [Vec<f32>; MODES],
-    squares: [f32; MODES],
+/// The loss's slopes with respect to the outputs that `scratch` holds, `[steps x N]`.
+fn slopes(
+    walker: Walker<'_>,
+    walk: &Walk,
+    advantage: f32,
+    waypoints: usize,
+    old: &[[f32; OUTPUTS]],
+    scratch: &WaypointScratch,
+    d_output: &mut Vec<[f32; OUTPUTS]>,
+) {
+    let (sigma, clip, shapes) = (walker.sigma(), walker.settings.clip, Shapes::new(waypoints));
+    d_output.clear();
+    for (step, z) in walk.noise.chunks_exact(2 * MODES).enumerate() {
+        let first = step * waypoints;
+        let mut now = [0.0; 2 * MODES];
+        now.copy_from_slice(z);
+        for mode in 0..MODES {
+            let size = sigma / (mode + 1) as f32 * shapes.squares[mode];
+            for i in 0..waypoints {
+                let (was, is) = (old[first + i], scratch.output(first + i));
+                for axis in 0..OUTPUTS {
+                    now[2 * mode + axis] += (was[axis] - is[axis]) * shapes.values[mode][i] / size;
+                }
+            }
+        }
+        let exponent = z.iter().zip(&now).map(|(z, n)| 0.5 * (z * z - n * n)).sum::<f32>();
+        let ratio = exponent.clamp(-20.0, 20.0).exp();
+        let is_clipped = if advantage > 0.0 { ratio > 1.0 + clip } else { ratio < 1.0 - clip };
+        let weight = if is_clipped { 0.0 } else { advantage * ratio };
+        for i in 0..waypoints {
+            let mut slope = [0.0; OUTPUTS];
+            for mode in 0..MODES {
+                let factor =
+                    (mode + 1) as f32 / sigma * shapes.values[mode][i] / shapes.squares[mode];
+                slope[0] -= weight * factor * now[2 * mode];
+                slope[1] -= weight * factor * now[2 * mode + 1];
+            }
+            d_output.push(slope);
+        }
+    }
 }
 
-impl Shapes {
-    fn new(waypoints: usize) -> Self {
-        let angle = std::f32::consts::PI / (waypoints + 1) as f32;
-        let values = std::array::from_fn(|mode| {
-            (1..=waypoints).map(|i| ((mode + 1) as f32 * i as f32 * angle).sin()).collect()
-        });
-        let squares = std::array::from_fn(|mode| {
-            let values: &Vec<f32> = &values[mode];
-            values.iter().map(|v| v * v).sum::<f32>().max(1e-3)
-        });
-        Self { values, squares }
+#[cfg(test)]
+mod tests {
+    use super::super::config::WaypointConfig;
+    use super::super::imitation::Recipe;
+    use super::*;
+    use sidestep::network::{WaypointNet, WaypointShape};
+    use sidestep::policy::ActionRule;
+    use sidestep::waypoint_view::ViewParts;
+
+    /// The clipped loss of one walk, from densities, in f64.
+    fn loss(walker: Walker<'_>, walk: &Walk, old: &[[f32; 2]], now: &[[f32; 2]]) -> f64 {
+        let (sigma, clip) = (f64::from(walker.sigma()), f64::from(walker.settings.clip));
+        let shapes = Shapes::new(10);
+        let advantage = f64::from(walk.advantage.unwrap());
+        let mut total = 0.0;
+        for (step, z) in walk.noise.chunks_exact(2 * MODES).enumerate() {
+            let mut exponent = 0.0;
+            for mode in 0..MODES {
+                let size = sigma / (mode + 1) as f64;
+                for axis in 0..2 {
+                    let moved: f64 = (0..10)
+                        .map(|i| {
+                            let (was, is) = (old[10 * step + i][axis], now[10 * step + i][axis]);
+                            f64::from(shapes.values[mode][i]) * (f64::from(was) - f64::from(is))
+                        })
+                        .sum();
+                    let z = f64::from(z[2 * mode + axis]);
+                    let other = z + moved / f64::from(shapes.squares[mode]) / size;
+                    exponent += 0.5 * (z * z - other * other);
+                }
+            }
+            let ratio = exponent.exp();
+            total -= (ratio * advantage).min(ratio.clamp(1.0 - clip, 1.0 + clip) * advantage);
+        }
+        total
+    }
+
+    #[test]
+    fn slopes_are_differences_of_the_clipped_loss() {
+        let names = ["waypoints", "probes:4x1"].map(String::from);
+        let view = ViewParts::from_names(&names).unwrap();
+        let shape =
+            WaypointShape { inputs: view.row_len(), width: 16, dilations: vec![1], map: None };
+        let count = shape.parameter_count().unwrap();
+        let draw = |i: usize| 0.1 * (i as f32 * 0.7).sin();
+        let mut net = WaypointNet::new(&shape, (0..count).map(draw).collect()).unwrap();
+        let config = WaypointConfig::default();
+        let recipe = Recipe {
+            view,
+            rule: ActionRule { scale: 0.4, limit: 1.6, keep_inside: true },
+            tasks: config.tasks,
+            imitation: config.imitation,
+            seed: 0,
+        };
+        let settings = config.policy_gradient;
+        let mut lessons = Lessons::default();
+        let mut part = Part::default();
+        part.clear(count);
+        let walker = Walker { net: &net, recipe: &recipe, settings: &settings };
+        lessons.walk(walker, 3, 0..6, &mut part);
+        lessons.learn(walker, &mut part);
+        net.update(|parameters| parameters.iter_mut().for_each(|p| *p *= 1.3));
+        let walker = Walker { net: &net, recipe: &recipe, settings: &settings };
+        let walks = lessons.walked.iter().flat_map(|walked| &walked.walks);
+        let walks: Vec<&Walk> = walks.filter(|walk| walk.advantage.is_some()).collect();
+        assert!(!walks.is_empty());
+        let (mut scratch, mut found) = (WaypointScratch::default(), Vec::new());
+        let (mut clipped, mut close, mut all) = (0, 0, 0);
+        for (walk, old) in walks.iter().zip(&lessons.old).take(12) {
+            let rows = walk.seen.len() / net.input_stride();
+            scratch.input(rows, net.input_stride()).copy_from_slice(&walk.seen);
+            net.forward(&mut scratch, 10);
+            let advantage = walk.advantage.unwrap();
+            slopes(walker, walk, advantage, 10, old, &scratch, &mut found);
+            let now: Vec<_> = (0..rows).map(|row| scratch.output(row)).collect();
+            clipped += found.chunks(10).filter(|step| step.iter().all(|s| *s == [0.0; 2])).count();
+            for row in (0..rows).step_by(7) {
+                let h = 1e-3;
+                let at = |change: f32| {
+                    let mut now = now.clone();
+                    now[row][1] += change;
+                    loss(walker, walk, old, &now)
+                };
+                let slope = (at(h) - at(-h)) / f64::from(2.0 * h);
+                let got = f64::from(found[row][1]);
+                all += 1;
+                close += usize::from((slope - got).abs() <= 0.02 * (1.0 + slope.abs()));
+            }
+        }
+        // A step just at the clip's edge has no slope.
+        assert!(close * 100 >= all * 95, "{close} of {all}");
+        assert!(clipped > 0, "nothing was clipped");
     }
 }

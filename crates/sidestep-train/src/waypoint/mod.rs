@@ -8,6 +8,7 @@ mod loss;
 mod routes;
 mod trainer;
 mod validation;
+mod walks;
 
 pub use config::{
     ARCHITECTURE, ImitationConfig, PolicyGradientConfig, StageConfig, StageKind, TaskConfig,

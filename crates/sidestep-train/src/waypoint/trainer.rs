@@ -15,9 +15,10 @@ use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 
 use super::config::{StageKind, WaypointConfig};
-use super::gradient::Walks;
+use super::gradient::Lessons;
 use super::imitation::{MEMBERS, Part, Recipe, Slot, Sums};
 use super::validation::{Tasks, WaypointValidation};
+use super::walks::Walker;
 use crate::gaussian::standard_normal;
 use crate::trainer::LICENCE;
 
@@ -171,6 +172,45 @@ impl WaypointTrainer {
         None
     }
 
+    /// One epoch on the walks of an update, which the first one makes.
+    fn learn(&self, lessons: &mut [Lessons], parts: &mut [Part], update: u64, epoch: usize) {
+        let settings = &self.config.policy_gradient;
+        let walker = Walker { net: &self.net, recipe: &self.recipe, settings };
+        let number = self.units * UPDATES_PER_UNIT + update;
+        let tasks = lessons.par_iter_mut().zip(parts).enumerate();
+        tasks.for_each(|(index, (lessons, part))| {
+            part.clear(self.net.parameters().len());
+            if epoch == 0 {
+                let first = index * TASKS_PER_PART;
+                let tasks = first as u64..settings.tasks.min(first + TASKS_PER_PART) as u64;
+                lessons.walk(walker, number, tasks, part);
+            }
+            lessons.learn(walker, part);
+        });
+    }
+
+    /// One optimizer step, number `number` of the stage, with the parts' gradient over `divisor`; returns its norm.
+    fn update(
+        &mut self,
+        parts: &[Part],
+        sums: &mut Sums,
+        divisor: f32,
+        learning_rate: f64,
+        number: u64,
+    ) -> f64 {
+        let mut gradient = add_up(parts, sums);
+        gradient.iter_mut().for_each(|g| *g /= divisor);
+        let norm = f64::from(squared_norm(&gradient)).sqrt();
+        let scale = (MAX_GRADIENT_NORM / norm.max(MAX_GRADIENT_NORM)) as f32;
+        let adam = AdamStep::new(number, learning_rate, BETAS, EPSILON, scale);
+        let [first, second] = &mut self.moments;
+        self.net.update(|parameters| adam.apply(parameters, &gradient, first, second));
+        for (average, p) in self.average.iter_mut().zip(self.net.parameters()) {
+            *average = KEPT * *average + (1.0 - KEPT) * p;
+        }
+        norm
+    }
+
     /// Makes the next unit; `None` when all are done.
     ///
     /// # Errors
@@ -193,49 +233,37 @@ impl WaypointTrainer {
             StageKind::Imitation => self.config.imitation.tasks,
             StageKind::PolicyGradient => self.config.policy_gradient.tasks,
         };
-        let (mut parts, mut walks): (Vec<Part>, Vec<Walks>) = (Vec::new(), Vec::new());
+        let (mut parts, mut lessons): (Vec<Part>, Vec<Lessons>) = (Vec::new(), Vec::new());
         parts.resize_with(tasks.div_ceil(TASKS_PER_PART), Part::default);
-        walks.resize_with(parts.len(), Walks::default);
-        let (mut sums, mut norms, mut learning_rate) = (Sums::default(), 0.0, 0.0);
+        lessons.resize_with(parts.len(), Lessons::default);
+        let mut sums = Sums::default();
+        let (mut norms, mut learning_rate) = (0.0, 0.0);
         for update in 0..UPDATES_PER_UNIT {
             let done = unit * UPDATES_PER_UNIT + update;
             learning_rate = stage.learning_rate * schedule(done as f64, total);
-            let (net, recipe) = (&self.net, &self.recipe);
-            let divisor;
             match stage.kind {
                 StageKind::Imitation => {
+                    let (net, recipe) = (&self.net, &self.recipe);
                     let steps = self.config.imitation.steps;
                     let tasks = slots.par_chunks_mut(TASKS_PER_PART).zip(&mut parts);
                     tasks.for_each(|(slots, part)| {
                         part.clear(net.parameters().len());
                         slots.iter_mut().for_each(|slot| slot.run(net, recipe, steps, part));
                     });
-                    divisor = (slots.len() * MEMBERS * steps) as f32;
+                    let divisor = (slots.len() * MEMBERS * steps) as f32;
+                    norms += self.update(&parts, &mut sums, divisor, learning_rate, done + 1);
                 }
                 StageKind::PolicyGradient => {
-                    let settings = &self.config.policy_gradient;
-                    let number = self.units * UPDATES_PER_UNIT + update;
-                    let tasks = walks.par_iter_mut().zip(&mut parts).enumerate();
-                    tasks.for_each(|(index, (walks, part))| {
-                        part.clear(net.parameters().len());
-                        let first = index * TASKS_PER_PART;
-                        for task in first..settings.tasks.min(first + TASKS_PER_PART) {
-                            walks.run(net, recipe, settings, number, task as u64, part);
-                        }
-                    });
-                    divisor = (settings.tasks * settings.walks) as f32;
+                    let epochs = self.config.policy_gradient.epochs;
+                    for epoch in 0..epochs {
+                        self.learn(&mut lessons, &mut parts, update, epoch);
+                        let settings = &self.config.policy_gradient;
+                        let divisor = (settings.tasks * settings.walks) as f32;
+                        let number = done * epochs as u64 + epoch as u64 + 1;
+                        norms += self.update(&parts, &mut sums, divisor, learning_rate, number)
+                            / epochs as f64;
+                    }
                 }
-            }
-            let mut gradient = add_up(&parts, &mut sums);
-            gradient.iter_mut().for_each(|g| *g /= divisor);
-            let norm = f64::from(squared_norm(&gradient)).sqrt();
-            norms += norm;
-            let scale = (MAX_GRADIENT_NORM / norm.max(MAX_GRADIENT_NORM)) as f32;
-            let adam = AdamStep::new(done + 1, learning_rate, BETAS, EPSILON, scale);
-            let [first, second] = &mut self.moments;
-            self.net.update(|parameters| adam.apply(parameters, &gradient, first, second));
-            for (average, p) in self.average.iter_mut().zip(self.net.parameters()) {
-                *average = KEPT * *average + (1.0 - KEPT) * p;
             }
         }
         self.units += 1;

@@ -1,7 +1,7 @@
-//! A 3 x 3 convolution with ReLU over a square of cells, read where they lie: no patches are copied.
+//! A residual 3 x 3 convolution with ReLU over a square of cells, read where they lie: no patches are copied.
 //!
 //! ```text
-//! y_c = max(0, b + sum over the nine taps t and channels i of W[t][i] x_{c + t}[i])
+//! y_c = max(0, b + x_c + sum over the nine taps t and channels i of W[t][i] x_{c + t}[i])
 //! ```
 //!
 //! Cells are rows of `channels` numbers inside a border of zeros as wide as the dilation at least. Every output number is one
@@ -43,10 +43,10 @@ fn conv3x3_body<const ISA: u8>(
     let side = cells + 2 * border;
     assert!(x.len() >= side * side * channels && y.len() >= cells * cells * channels);
     assert!(packed.len() >= TAPS * channels * channels && bias.len() >= channels);
-    let form = Form { channels, side, border, dilation };
     for panel in 0..channels / LANES {
         let weights = &packed[panel * TAPS * channels * LANES..][..TAPS * channels * LANES];
         let bias = &bias[panel * LANES..][..LANES];
+        let form = Form { channels, side, border, dilation, panel };
         for line in 0..cells {
             let mut put = |column: usize, values: &[f32; LANES]| {
                 let at = (line * cells + column) * channels + panel * LANES;
@@ -76,6 +76,7 @@ struct Form {
     side: usize,
     border: usize,
     dilation: usize,
+    panel: usize,
 }
 
 /// One panel of outputs of `COUNT` neighbouring cells of a line.
@@ -89,9 +90,15 @@ fn block<const ISA: u8, const COUNT: usize>(
     bias: &[f32],
     put: &mut impl FnMut(usize, &[f32; LANES]),
 ) {
-    let Form { channels, side, border, dilation } = form;
+    let Form { channels, side, border, dilation, panel } = form;
     let mut sums = [[0.0_f32; LANES]; COUNT];
-    sums.iter_mut().for_each(|sum| sum.copy_from_slice(bias));
+    let own = ((line + border) * side + column + border) * channels + panel * LANES;
+    for (cell, sum) in sums.iter_mut().enumerate() {
+        let x = &x[own + cell * channels..][..LANES];
+        for lane in 0..LANES {
+            sum[lane] = bias[lane] + x[lane];
+        }
+    }
     for tap in 0..TAPS {
         let row = line + border + tap / 3 * dilation - dilation;
         let first = column + border + tap % 3 * dilation - dilation;
@@ -151,7 +158,8 @@ mod tests {
                 conv3x3(isa, cells, channels, border, dilation, &x, &packed, bias, &mut y);
                 for (at, &got) in y.iter().enumerate() {
                     let (cell, o) = (at / channels, at % channels);
-                    let mut sum = f64::from(bias[o]);
+                    let own = (cell / cells + border) * side + cell % cells + border;
+                    let mut sum = f64::from(bias[o]) + f64::from(x[own * channels + o]);
                     for tap in 0..TAPS {
                         let row = cell / cells + border + tap / 3 * dilation - dilation;
                         let column = cell % cells + border + tap % 3 * dilation - dilation;

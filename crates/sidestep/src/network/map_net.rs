@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! f <- relu(W_in x + b)                                  per cell
-//! f_c <- f_c + relu(W [f of the 3 x 3 cells at distance d around c] + b)      for each dilation d; zero outside
+//! f_c <- relu(f_c + W [f of the 3 x 3 cells at distance d around c] + b)      for each dilation d; zero outside
 //! ```
 //!
 //! Rows are cells, row-major. The layers' parameters lie behind those of the [`super::WaypointNet`] that they belong to.
@@ -66,8 +66,6 @@ pub struct MapScratch {
     input: Vec<f32>,
     /// Per block boundary, `[cells^2 x channels]`.
     hidden: Vec<Vec<f32>>,
-    /// Per block, `[cells^2 x channels]`, after the activation.
-    active: Vec<Vec<f32>>,
     /// What a convolution reads, in a border of zeros: `[(cells + 2 border)^2 x channels]`.
     bordered: Vec<f32>,
     /// For the backward pass, `[cells^2 x SEEN channels]`.
@@ -85,7 +83,6 @@ impl MapScratch {
         Self {
             input: vec![0.0; rows * padded(MAP_INPUTS)],
             hidden: vec![vec![0.0; size]; blocks + 1],
-            active: vec![vec![0.0; size]; blocks],
             bordered: vec![0.0; shape.side().pow(2) * shape.channels],
             columns: Vec::new(),
             slopes: Vec::new(),
@@ -116,17 +113,14 @@ pub(super) fn forward(shape: &MapShape, layers: &[Layer], scratch: &mut MapScrat
     layers[0].forward(isa, rows, &scratch.input, &mut scratch.hidden[0]);
     for (block, &dilation) in shape.dilations.iter().enumerate() {
         let (before, after) = scratch.hidden.split_at_mut(block + 1);
-        let (h, next, active) = (&before[block], &mut after[0], &mut scratch.active[block]);
+        let (h, next) = (&before[block], &mut after[0]);
         let border = shape.border();
         let (line, first) = (shape.cells * shape.channels, border * (shape.side() + 1));
         let inner =
             scratch.bordered[first * shape.channels..].chunks_mut(shape.side() * shape.channels);
         inner.zip(h.chunks_exact(line)).for_each(|(inner, h)| inner[..line].copy_from_slice(h));
         let layer = &layers[block + 1];
-        layer.convolve(isa, shape.cells, border, dilation, &scratch.bordered, active);
-        for ((next, h), a) in next.iter_mut().zip(h).zip(active) {
-            *next = h + *a;
-        }
+        layer.convolve(isa, shape.cells, border, dilation, &scratch.bordered, next);
     }
     scratch.slopes.fill(0.0);
 }
@@ -150,10 +144,11 @@ pub(super) fn backward(
 ) {
     let isa = Isa::detect();
     let rows = shape.cells * shape.cells;
-    let MapScratch { input, hidden, active, columns, slopes, d_active, d_columns, .. } = scratch;
+    let MapScratch { input, hidden, columns, slopes, d_active, d_columns, .. } = scratch;
     for (block, &dilation) in shape.dilations.iter().enumerate().rev() {
-        for ((d, &slope), &a) in d_active.iter_mut().zip(slopes.iter()).zip(&active[block]) {
-            *d = if a > 0.0 { slope } else { 0.0 };
+        for ((d, slope), &h) in d_active.iter_mut().zip(slopes.iter_mut()).zip(&hidden[block + 1]) {
+            *slope = if h > 0.0 { *slope } else { 0.0 };
+            *d = *slope;
         }
         gather(shape, &hidden[block], dilation, columns);
         let layer = &layers[block + 1];

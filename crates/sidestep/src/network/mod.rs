@@ -15,7 +15,7 @@ pub use cnn::{Cnn, FEATURES, Part};
 pub(crate) use map_net::MAP_INPUTS;
 pub use map_net::{MapScratch, MapShape};
 pub use mlp::{MAX_PARAMETERS, Mlp, Scratch};
-pub use waypoint_net::{WaypointNet, WaypointScratch, WaypointShape};
+pub use waypoint_net::{OUTPUTS, WaypointNet, WaypointScratch, WaypointShape};
 
 use crate::observation::{ObservationPart, image_place};
 

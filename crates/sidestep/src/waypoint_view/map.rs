@@ -110,6 +110,14 @@ impl TaskMap {
         }
     }
 
+    /// Writes what waypoints `x [N x 2]` read to their rows `[N x stride]` of a view of `row_len` numbers.
+    pub fn read_rows(&self, x: &[f32], rows: &mut [f32], stride: usize, row_len: usize) {
+        let first = row_len - PLACES * self.channels;
+        for (p, row) in x.as_chunks::<2>().0.iter().zip(rows.chunks_exact_mut(stride)) {
+            self.read(*p, &mut row[first..row_len]);
+        }
+    }
+
     /// Adds `slope [PLACES x channels]`, the slope of a loss with respect to what a waypoint at `p` read, to that with
     /// respect to the features.
     fn collect(&mut self, p: [f32; 2], slope: &[f32]) {

@@ -1,0 +1,248 @@
+//! Noisy walks of the policy on a task, and what they are worth; [`super::gradient`] learns from them.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use sidestep::network::{WaypointNet, WaypointScratch};
+use sidestep::objective::{Objective, Scene};
+use sidestep::profile::Profile;
+use sidestep::rng::{Purpose, stream};
+use sidestep::starts::{StartStrategy, bend};
+use sidestep::waypoint_view::{TaskMap, WaypointView};
+use std::sync::Arc;
+
+use super::config::PolicyGradientConfig;
+use super::imitation::{Recipe, Sums};
+use super::loss::PIXEL;
+use crate::gaussian::standard_normal;
+
+/// Shapes of noise along the trajectory.
+pub(super) const MODES: usize = 4;
+
+/// One walk and what it is worth.
+#[derive(Debug, Clone)]
+pub(super) struct Walk {
+    x: Vec<f32>,
+    view: WaypointView,
+    /// Steps until it was free.
+    solved: Option<usize>,
+    /// Rows that went into the network, step by step.
+    pub seen: Vec<f32>,
+    /// Where the waypoints were then, `[steps x N x 2]`.
+    pub places: Vec<f32>,
+    /// Noise z, `[steps x MODES x 2]`.
+    pub noise: Vec<f32>,
+    /// A; none where all walks of the task are worth the same.
+    pub advantage: Option<f32>,
+}
+
+/// The walks on one task.
+#[derive(Debug)]
+pub(super) struct Walked {
+    pub map: Option<TaskMap>,
+    pub walks: Vec<Walk>,
+}
+
+/// What all walks have in common.
+#[derive(Clone, Copy)]
+pub(super) struct Walker<'a> {
+    pub net: &'a WaypointNet,
+    pub recipe: &'a Recipe,
+    pub settings: &'a PolicyGradientConfig,
+}
+
+impl Walker<'_> {
+    /// Standard deviation of the first mode, in units of output.
+    pub fn sigma(&self) -> f32 {
+        self.settings.noise_pixels / (self.recipe.rule.scale / PIXEL)
+    }
+
+    /// The walks on task `index` of update `update`.
+    pub fn walk(
+        &self,
+        update: u64,
+        index: u64,
+        scratch: &mut WaypointScratch,
+        sums: &mut Sums,
+    ) -> Walked {
+        let mut number = 1 << 44 | (update * 256 + index) << 16;
+        loop {
+            number += 1;
+            if let Some(walked) = self.walk_task(number, scratch, sums) {
+                return walked;
+            }
+        }
+    }
+
+    /// None if the task is not worth walking.
+    fn walk_task(
+        &self,
+        number: u64,
+        scratch: &mut WaypointScratch,
+        sums: &mut Sums,
+    ) -> Option<Walked> {
+        let Self { net, recipe, settings } = *self;
+        let mut rng = stream(recipe.seed, Purpose::Environment, number, 0);
+        let task = recipe.tasks.draw(number, &mut rng);
+        let scene = Arc::new(Scene::of(&task, &Profile::DEFAULT));
+        if scene.certifier().segment_is_free(task.start, task.goal) {
+            return None;
+        }
+        let waypoints = Profile::DEFAULT.waypoints;
+        let objective = Objective::new(&task, scene.clone(), waypoints).ok()?;
+        let x = self.start(&objective, &mut rng);
+        let view = WaypointView::new(&recipe.view.probes, &objective);
+        let map = recipe.view.map.as_ref().map(|shape| {
+            let mut map = TaskMap::new(shape, &objective);
+            net.begin_map(map.scratch());
+            net.read_map(map.scratch());
+            map
+        });
+        let keeps = rng.random::<f32>() < settings.solved;
+        if !keeps && self.solves(&objective, view.clone(), map.as_ref(), x.clone(), scratch) {
+            return None;
+        }
+        let shortest = scene.shortest_path().find(task.start, task.goal).length()?;
+        let walk = Walk {
+            x,
+            view,
+            solved: None,
+            seen: Vec::new(),
+            places: Vec::new(),
+            noise: Vec::new(),
+            advantage: None,
+        };
+        let mut walks = vec![walk; settings.walks];
+        self.go(&objective, map.as_ref(), &mut walks, scratch, &mut rng);
+        let score = |walk: &Walk| match walk.solved {
+            Some(t) => {
+                let length = objective.trajectory(&walk.x).length();
+                let longer = ((length / shortest - 1.0) as f32).clamp(0.0, 1.0);
+                1.0 - settings.haste * t as f32 / settings.steps as f32 - settings.stretch * longer
+            }
+            None => 0.0,
+        };
+        let returns: Vec<f32> = walks.iter().map(score).collect();
+        let count = returns.len() as f32;
+        let mean = returns.iter().sum::<f32>() / count;
+        let spread = (returns.iter().map(|r| (r - mean) * (r - mean)).sum::<f32>() / count).sqrt();
+        sums.loss -= f64::from(mean) * f64::from(count);
+        sums.ended += f64::from(count);
+        sums.solved += walks.iter().filter(|walk| walk.solved.is_some()).count() as f64;
+        let dim = waypoints * net.input_stride();
+        for (walk, r) in walks.iter_mut().zip(&returns) {
+            sums.steps += (walk.seen.len() / dim) as f64;
+            walk.advantage = (spread >= 1e-6).then_some((r - mean) / (spread + 0.1));
+        }
+        Some(Walked { map, walks })
+    }
+
+    /// The straight line, or a random bend of it or via-point.
+    fn start(&self, objective: &Objective, rng: &mut ChaCha8Rng) -> Vec<f32> {
+        let mut x = vec![0.0; objective.dim()];
+        objective.straight_line(&mut x);
+        if rng.random::<f32>() < self.settings.other_starts {
+            if rng.random::<bool>() {
+                StartStrategy::ViaPoint.draw(objective, rng, &mut x);
+            } else {
+                bend(&mut x, 1.0, rng);
+            }
+        }
+        x
+    }
+
+    /// Walks until free, or all steps.
+    fn go(
+        &self,
+        objective: &Objective,
+        map: Option<&TaskMap>,
+        walks: &mut [Walk],
+        scratch: &mut WaypointScratch,
+        rng: &mut ChaCha8Rng,
+    ) {
+        let Self { net, recipe, settings } = *self;
+        let (waypoints, stride) = (objective.waypoints(), net.input_stride());
+        let (dim, sigma) = (waypoints * stride, self.sigma());
+        let shapes = Shapes::new(waypoints);
+        for step in 0..=settings.steps {
+            let mut active = Vec::with_capacity(walks.len());
+            let input = scratch.input(walks.len() * waypoints, stride);
+            for (index, walk) in walks.iter_mut().enumerate() {
+                if walk.solved.is_some() {
+                    continue;
+                }
+                let block = &mut input[active.len() * dim..][..dim];
+                walk.view.encode(objective, &walk.x, map, block, stride);
+                if walk.view.is_free() {
+                    walk.solved = Some(step);
+                } else if step < settings.steps {
+                    walk.seen.extend_from_slice(block);
+                    walk.places.extend_from_slice(&walk.x);
+                    active.push(index);
+                }
+            }
+            if active.is_empty() {
+                break;
+            }
+            scratch.input(active.len() * waypoints, stride);
+            net.forward(scratch, waypoints);
+            for (place, &index) in active.iter().enumerate() {
+                let walk = &mut walks[index];
+                let z: Vec<f32> = (0..MODES).flat_map(|_| standard_normal(rng)).collect();
+                let output = |i: usize| {
+                    let mut out = scratch.output(place * waypoints + i);
+                    for mode in 0..MODES {
+                        let size = sigma / (mode + 1) as f32 * shapes.values[mode][i];
+                        out[0] += size * z[2 * mode];
+                        out[1] += size * z[2 * mode + 1];
+                    }
+                    out
+                };
+                walk.view.apply(&recipe.rule, output, &mut walk.x);
+                walk.noise.extend(z);
+            }
+        }
+    }
+
+    /// Whether the policy walks from `x` to a free trajectory without noise.
+    fn solves(
+        &self,
+        objective: &Objective,
+        mut view: WaypointView,
+        map: Option<&TaskMap>,
+        mut x: Vec<f32>,
+        scratch: &mut WaypointScratch,
+    ) -> bool {
+        let (waypoints, stride) = (objective.waypoints(), self.net.input_stride());
+        for step in 0..=self.settings.steps {
+            view.encode(objective, &x, map, scratch.input(waypoints, stride), stride);
+            if view.is_free() {
+                return true;
+            }
+            if step < self.settings.steps {
+                self.net.forward(scratch, waypoints);
+                view.apply(&self.recipe.rule, |i| scratch.output(i), &mut x);
+            }
+        }
+        false
+    }
+}
+
+/// The noise modes over the waypoints; they are orthogonal.
+pub(super) struct Shapes {
+    pub values: [Vec<f32>; MODES],
+    pub squares: [f32; MODES],
+}
+
+impl Shapes {
+    pub fn new(waypoints: usize) -> Self {
+        let angle = std::f32::consts::PI / (waypoints + 1) as f32;
+        let values = std::array::from_fn(|mode| {
+            (1..=waypoints).map(|i| ((mode + 1) as f32 * i as f32 * angle).sin()).collect()
+        });
+        let squares = std::array::from_fn(|mode| {
+            let values: &Vec<f32> = &values[mode];
+            values.iter().map(|v| v * v).sum::<f32>().max(1e-3)
+        });
+        Self { values, squares }
+    }
+}
