@@ -13,10 +13,11 @@
 //! | 1, 1, 2 | signed distance at the waypoint: coarse (clamped to 1.2, /0.6), fine (clamped to 0.15, /0.15); its gradient |
 //! | 7, 7 | of the segment before, and of the one after: coarse distance at 3 points; the least of them fine; its gradient; whether it is free by the certificate |
 //! | R x K | coarse distance at K directions on each of R circles around the waypoint |
-//! | 5 x C | of a view with a map ([`TaskMap`]), its features at the waypoint and around it |
+//! | 5 x (C + 2) | of a view with a map ([`TaskMap`]), its features at the waypoint and around it, then the detour through there and how far along it is |
 
 mod map;
 mod parts;
+mod ways;
 
 use crate::distance::{Field, LANES, Samples};
 use crate::kernels::{Isa, dispatch};
