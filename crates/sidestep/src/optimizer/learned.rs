@@ -2,21 +2,33 @@
 //!
 //! ξ ← ξ + clip(π(o)), as the policy was trained: the update clipped per coordinate, positions kept
 //! inside the field where the policy's card says so.
+//!
+//! A waypoint policy that is not through after [`PATIENCE`] steps hardly ever gets through by itself. So every that many steps a
+//! trajectory that is not free is bent at random first (`KICK`), which is what the optimizer does about local optima.
 
 use std::sync::Arc;
+
+use rand_chacha::ChaCha8Rng;
 
 use crate::error::InvalidInput;
 use crate::network::{Scratch, WaypointScratch};
 use crate::objective::Objective;
 use crate::observation::Encoder;
 use crate::policy::{Policy, PolicyNetwork};
+use crate::starts::bend;
 use crate::task::Task;
 use crate::waypoint_view::{TaskMap, WaypointView};
+
+/// Steps between two kicks.
+const PATIENCE: u32 = 10;
+/// Size of a kick, in normalised units; see [`bend`].
+const KICK: f32 = 2.0;
 
 #[derive(Debug)]
 pub(super) struct Learned {
     policy: Arc<Policy>,
     sight: Sight,
+    rng: ChaCha8Rng,
 }
 
 /// What the policy sees with, and its buffers.
@@ -42,6 +54,7 @@ impl Learned {
         policy: Arc<Policy>,
         task: &Task,
         objective: &Objective,
+        rng: ChaCha8Rng,
     ) -> Result<Self, InvalidInput> {
         policy.check_use(objective.waypoints(), objective.scene().profile().name)?;
         let sight = match policy.network() {
@@ -60,7 +73,7 @@ impl Learned {
                 scratch: WaypointScratch::default(),
             },
         };
-        Ok(Self { policy, sight })
+        Ok(Self { policy, sight, rng })
     }
 
     pub fn step(&mut self, x: &mut [f32], gradient: &[f32], objective: &Objective) {
@@ -86,6 +99,11 @@ impl Learned {
                 }
                 let rows = scratch.input(waypoints, stride);
                 view.encode(objective, x, map.as_ref(), rows, stride);
+                let age = view.age();
+                if age > 0 && age.is_multiple_of(PATIENCE) && !view.is_free() {
+                    bend(x, KICK, &mut self.rng);
+                    view.encode(objective, x, map.as_ref(), rows, stride);
+                }
                 network.forward(scratch, waypoints);
                 view.apply(rule, |i| scratch.output(i), x);
             }

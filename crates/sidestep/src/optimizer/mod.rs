@@ -116,9 +116,12 @@ impl Optimizer {
             Method::Stomp { rollouts, noise } => {
                 State::Stomp(Box::new(stomp::Stomp::new(rollouts, noise, n / 2, rng)?))
             }
-            Method::Learned(ref policy) => {
-                State::Learned(Box::new(learned::Learned::new(policy.clone(), task, objective)?))
-            }
+            Method::Learned(ref policy) => State::Learned(Box::new(learned::Learned::new(
+                policy.clone(),
+                task,
+                objective,
+                rng,
+            )?)),
         }))
     }
 
