@@ -11,8 +11,7 @@
 
 use super::ways::Ways;
 use super::{coarse, turn};
-use crate::distance::Field;
-use crate::distance::LANES;
+use crate::distance::{Field, LANES};
 use crate::network::{MAP_INPUTS, MapScratch, MapShape};
 use crate::objective::Objective;
 
@@ -154,7 +153,8 @@ impl TaskMap {
         }
     }
 
-    /// [`TaskMap::collect`] for waypoints `x [N x 2]`, whose rows' slopes are `rows [N x stride]` of a view of `row_len` numbers.
+    /// Collects the slopes of a loss with respect to what waypoints `x [N x 2]` read: `rows [N x stride]` are the slopes of
+    /// their rows, of a view of `row_len` numbers.
     pub fn collect_rows(&mut self, x: &[f32], rows: &[f32], stride: usize, row_len: usize) {
         let first = row_len - PLACES * (self.channels + WAYS);
         for (p, row) in x.as_chunks::<2>().0.iter().zip(rows.chunks_exact(stride)) {
