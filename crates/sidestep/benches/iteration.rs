@@ -17,6 +17,7 @@ use sidestep::policy::{Policy, PolicyNetwork};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::suite::Suite;
+use sidestep::waypoint_view::TaskMap;
 
 fn main() {
     divan::main();
@@ -133,6 +134,20 @@ fn shipped_alone(bencher: divan::Bencher, name: &str) {
         let trajectories = batch.objectives.iter_mut().zip(&mut batch.x).zip(&costs);
         for ((((objective, _), x), cost), optimizer) in trajectories.zip(&mut optimizers) {
             optimizer.step(x, *cost, &[], objective);
+        }
+    });
+}
+
+/// The map of a task, which `sidestep-1` reads once: distances, ways and convolutions.
+#[divan::bench]
+fn shipped_map(bencher: divan::Bencher) {
+    let batch = batch(&Profile::DEFAULT);
+    let policy = sidestep::shipped::sidestep_1();
+    let PolicyNetwork::Waypoint { view, network } = policy.network() else { return };
+    let Some(shape) = &view.map else { return };
+    bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
+        for (objective, _) in &batch.objectives {
+            network.read_map(divan::black_box(TaskMap::new(shape, objective)).scratch());
         }
     });
 }

@@ -376,6 +376,7 @@ impl<'a> Walk<'a> {
         for start in 0..self.options.starts {
             let mut optimizer = self.begin(start)?;
             let (objective, most) = (&mut self.objective, self.options.steps);
+            optimizer.prepare(objective);
             let begin = Instant::now();
             let go_on = |_: &Iteration<'_>| ControlFlow::Continue(());
             let found = run(objective, &mut optimizer, &mut self.x, most, Until::Certified, go_on);

@@ -11,13 +11,13 @@ use std::sync::Arc;
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::InvalidInput;
-use crate::network::{Scratch, WaypointScratch};
+use crate::network::{Scratch, WaypointNet, WaypointScratch};
 use crate::objective::Objective;
 use crate::observation::Encoder;
 use crate::policy::{Policy, PolicyNetwork};
 use crate::starts::bend;
 use crate::task::Task;
-use crate::waypoint_view::{TaskMap, WaypointView};
+use crate::waypoint_view::{TaskMap, ViewParts, WaypointView};
 
 /// Steps between two kicks.
 const PATIENCE: u32 = 10;
@@ -92,11 +92,7 @@ impl Learned {
                 Sight::Waypoints { view, map, scratch },
             ) => {
                 let (waypoints, stride) = (objective.waypoints(), network.input_stride());
-                if let (Some(shape), None) = (&parts.map, &map) {
-                    let mut own = TaskMap::new(shape, objective);
-                    network.read_map(own.scratch());
-                    *map = Some(own);
-                }
+                read_map(parts, network, objective, map);
                 let rows = scratch.input(waypoints, stride);
                 view.encode(objective, x, map.as_ref(), rows, stride);
                 let age = view.age();
@@ -112,8 +108,30 @@ impl Learned {
         }
     }
 
+    /// Reads the task's map, where the policy has one and that has not been done; else the first step does it.
+    pub fn prepare(&mut self, objective: &Objective) {
+        if let (PolicyNetwork::Waypoint { view: parts, network }, Sight::Waypoints { map, .. }) =
+            (self.policy.network(), &mut self.sight)
+        {
+            read_map(parts, network, objective, map);
+        }
+    }
+
     /// Whether the policy sees the gradient of U.
     pub fn uses_gradient(&self) -> bool {
         matches!(self.sight, Sight::Whole { .. })
+    }
+}
+
+fn read_map(
+    parts: &ViewParts,
+    network: &WaypointNet,
+    objective: &Objective,
+    map: &mut Option<TaskMap>,
+) {
+    if let (Some(shape), None) = (&parts.map, &map) {
+        let mut own = TaskMap::new(shape, objective);
+        network.read_map(own.scratch());
+        *map = Some(own);
     }
 }

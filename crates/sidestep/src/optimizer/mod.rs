@@ -141,6 +141,13 @@ impl Optimizer {
         }
     }
 
+    /// Makes what a method needs once a task, a policy's map; without this call the first step makes it.
+    pub fn prepare(&mut self, objective: &Objective) {
+        if let State::Learned(learned) = &mut self.0 {
+            learned.prepare(objective);
+        }
+    }
+
     /// Whether the method uses the gradient handed to [`Optimizer::step`].
     pub fn uses_gradient(&self) -> bool {
         match &self.0 {
