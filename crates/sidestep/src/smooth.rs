@@ -39,7 +39,7 @@ const WAYPOINTS_PER_CORNER: usize = 3;
 /// Values of ε that are tried, each half of the one before.
 const ATTEMPTS: i32 = 3;
 /// Steps that one attempt makes at most.
-pub const MAX_STEPS: usize = 30;
+pub const MAX_STEPS: usize = 40;
 
 /// A smoothed path.
 #[derive(Debug, Clone, PartialEq)]
