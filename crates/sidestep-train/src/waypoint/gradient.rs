@@ -60,7 +60,7 @@ impl Lessons {
         let (net, row_len) = (walker.net, walker.recipe.view.row_len());
         let stride = net.input_stride();
         let mut place = 0;
-        for Walked { map, walks } in walked {
+        for Walked { waypoints, shapes, map, walks } in walked {
             let is_first = old.len() == place;
             if let (Some(map), false) = (map.as_mut(), is_first) {
                 net.read_map(map.scratch());
@@ -72,12 +72,11 @@ impl Lessons {
                 if let (Some(map), false) = (map.as_ref(), is_first) {
                     map.read_rows(&walk.places, scratch.input(rows, stride), stride, row_len);
                 }
-                let waypoints = walk.places.len() / 2 / (walk.noise.len() / (2 * MODES)).max(1);
-                net.forward(scratch, waypoints.max(1));
-                if old.len() == place {
+                net.forward(scratch, *waypoints);
+                if is_first {
                     old.push((0..rows).map(|row| scratch.output(row)).collect());
                 }
-                slopes(walker, walk, advantage, waypoints, &old[place], scratch, d_output);
+                slopes(walker, walk, advantage, shapes, &old[place], scratch, d_output);
                 place += 1;
                 net.backward(d_output, scratch, &mut part.gradient);
                 if let Some(map) = map.as_mut() {
@@ -96,12 +95,12 @@ fn slopes(
     walker: Walker<'_>,
     walk: &Walk,
     advantage: f32,
-    waypoints: usize,
+    shapes: &Shapes,
     old: &[[f32; OUTPUTS]],
     scratch: &WaypointScratch,
     d_output: &mut Vec<[f32; OUTPUTS]>,
 ) {
-    let (sigma, clip, shapes) = (walker.sigma(), walker.settings.clip, Shapes::new(waypoints));
+    let (sigma, clip, waypoints) = (walker.sigma(), walker.settings.clip, shapes.values[0].len());
     d_output.clear();
     for (step, z) in walk.noise.chunks_exact(2 * MODES).enumerate() {
         let first = step * waypoints;
@@ -206,7 +205,7 @@ mod tests {
             scratch.input(rows, net.input_stride()).copy_from_slice(&walk.seen);
             net.forward(&mut scratch, 10);
             let advantage = walk.advantage.unwrap();
-            slopes(walker, walk, advantage, 10, old, &scratch, &mut found);
+            slopes(walker, walk, advantage, &Shapes::new(10), old, &scratch, &mut found);
             let now: Vec<_> = (0..rows).map(|row| scratch.output(row)).collect();
             clipped += found.chunks(10).filter(|step| step.iter().all(|s| *s == [0.0; 2])).count();
             for row in (0..rows).step_by(7) {

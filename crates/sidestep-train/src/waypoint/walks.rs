@@ -38,6 +38,8 @@ pub(super) struct Walk {
 /// The walks on one task.
 #[derive(Debug)]
 pub(super) struct Walked {
+    pub waypoints: usize,
+    pub shapes: Shapes,
     pub map: Option<TaskMap>,
     pub walks: Vec<Walk>,
 }
@@ -112,7 +114,8 @@ impl Walker<'_> {
             advantage: None,
         };
         let mut walks = vec![walk; settings.walks];
-        self.go(&objective, map.as_ref(), &mut walks, scratch, &mut rng);
+        let shapes = Shapes::new(waypoints);
+        self.go(&objective, map.as_ref(), &shapes, &mut walks, scratch, &mut rng);
         let score = |walk: &Walk| match walk.solved {
             Some(t) => {
                 let length = objective.trajectory(&walk.x).length();
@@ -133,7 +136,7 @@ impl Walker<'_> {
             sums.steps += (walk.seen.len() / dim) as f64;
             walk.advantage = (spread >= 1e-6).then_some((r - mean) / (spread + 0.1));
         }
-        Some(Walked { map, walks })
+        Some(Walked { waypoints, shapes, map, walks })
     }
 
     /// The straight line, or a random bend of it or via-point.
@@ -155,6 +158,7 @@ impl Walker<'_> {
         &self,
         objective: &Objective,
         map: Option<&TaskMap>,
+        shapes: &Shapes,
         walks: &mut [Walk],
         scratch: &mut WaypointScratch,
         rng: &mut ChaCha8Rng,
@@ -162,7 +166,6 @@ impl Walker<'_> {
         let Self { net, recipe, settings } = *self;
         let (waypoints, stride) = (objective.waypoints(), net.input_stride());
         let (dim, sigma) = (waypoints * stride, self.sigma());
-        let shapes = Shapes::new(waypoints);
         for step in 0..=settings.steps {
             let mut active = Vec::with_capacity(walks.len());
             let input = scratch.input(walks.len() * waypoints, stride);
@@ -228,6 +231,7 @@ impl Walker<'_> {
 }
 
 /// The noise modes over the waypoints; they are orthogonal.
+#[derive(Debug)]
 pub(super) struct Shapes {
     pub values: [Vec<f32>; MODES],
     pub squares: [f32; MODES],

@@ -75,10 +75,17 @@ impl Auto {
             let length = plan.trajectory.as_ref().map_or(f64::INFINITY, Trajectory::length);
             plan.status == Status::Solved && length <= LONGEST * shortest
         };
+        let with = |method: &Method, most: usize, starts: usize| {
+            let steps = match method {
+                Method::Learned(_) => options.steps.min(most),
+                _ => options.steps,
+            };
+            optimize(scene, task, method, &Options { steps, starts, ..options.clone() }, watch)
+        };
         let straight_length = distance(task.start, task.goal);
-        let mut optimized = self.quickly(scene, task, options, watch)?;
+        let mut optimized = with(&self.quick, QUICK_STEPS, 1)?;
         if options.starts > 1 && !is_short(&optimized, straight_length) {
-            optimized = self.thoroughly(scene, task, options, watch)?;
+            optimized = with(&self.thorough, LEARNED_STEPS, options.starts)?;
         }
         if is_short(&optimized, straight_length) {
             return Ok(optimized);
@@ -89,8 +96,7 @@ impl Auto {
             return match exact.status {
                 _ if optimized.status == Status::Solved => Ok(optimized),
                 Status::Unsolved(_) if options.starts < STARTS => {
-                    let options = Options { starts: STARTS, ..options.clone() };
-                    self.thoroughly(scene, task, &options, watch)
+                    with(&self.thorough, LEARNED_STEPS, STARTS)
                 }
                 _ => Ok(Plan { trajectory: optimized.trajectory, ..exact }),
             };
@@ -108,35 +114,6 @@ impl Auto {
             },
             None => exact,
         })
-    }
-
-    fn quickly(
-        &self,
-        scene: &Arc<Scene>,
-        task: &Task,
-        options: &Options,
-        watch: Watch<'_>,
-    ) -> Result<Plan, InvalidInput> {
-        let steps = match self.quick {
-            Method::Learned(_) => options.steps.min(QUICK_STEPS),
-            _ => options.steps,
-        };
-        let options = Options { steps, starts: 1, ..options.clone() };
-        optimize(scene, task, &self.quick, &options, watch)
-    }
-
-    fn thoroughly(
-        &self,
-        scene: &Arc<Scene>,
-        task: &Task,
-        options: &Options,
-        watch: Watch<'_>,
-    ) -> Result<Plan, InvalidInput> {
-        let steps = match self.thorough {
-            Method::Learned(_) => options.steps.min(LEARNED_STEPS),
-            _ => options.steps,
-        };
-        optimize(scene, task, &self.thorough, &Options { steps, ..options.clone() }, watch)
     }
 }
 
