@@ -4,6 +4,7 @@
 //! out of range is an error that names the field, the value and the range.
 
 mod check;
+pub(crate) mod range;
 pub mod toml_file;
 
 use serde::{Deserialize, Serialize};

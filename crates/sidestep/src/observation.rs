@@ -11,7 +11,7 @@ use crate::error::InvalidInput;
 use crate::objective::Objective;
 use crate::profile::NORMALISED_EXTENT;
 use crate::world::World;
-use boxes::{nearest_boxes, obstacle_boxes};
+use boxes::{all_boxes, around, nearest_boxes, obstacle_boxes};
 
 pub use image::IMAGE_SIDE;
 
@@ -41,6 +41,11 @@ pub enum ObservationPart {
         /// How many are seen.
         count: usize,
     },
+    /// Centre from the waypoint and size, in normalised units, of the obstacles nearest to each waypoint: `[N x count x 4]`.
+    WaypointObstacles {
+        /// How many each waypoint sees.
+        count: usize,
+    },
     /// Start and goal in the same units: 4 numbers.
     Ends,
     /// The workspace and the trajectory as an image, `[64 x 64]` (`image.rs`).
@@ -49,12 +54,14 @@ pub enum ObservationPart {
 
 /// Most earlier gradients that an observation may hold.
 const MAX_PREVIOUS: usize = 64;
+/// Most obstacles that a waypoint may see.
+const MAX_NEAR: usize = 64;
 /// Most obstacles that an observation may hold.
 const MAX_OBSTACLES: usize = 4096;
 
 impl ObservationPart {
     /// The part's name: `gradient`, `obstacle-cost`, `previous-gradients:K`, `trajectory`, `obstacles:K`,
-    /// `nearest-obstacles:K`, `ends`, `image`.
+    /// `nearest-obstacles:K`, `waypoint-obstacles:K`, `ends`, `image`.
     pub fn name(&self) -> String {
         match self {
             Self::Gradient => "gradient".into(),
@@ -63,6 +70,7 @@ impl ObservationPart {
             Self::Trajectory => "trajectory".into(),
             Self::Obstacles { count } => format!("obstacles:{count}"),
             Self::NearestObstacles { count } => format!("nearest-obstacles:{count}"),
+            Self::WaypointObstacles { count } => format!("waypoint-obstacles:{count}"),
             Self::Ends => "ends".into(),
             Self::Image => "image".into(),
         }
@@ -95,9 +103,10 @@ impl ObservationPart {
             }
             ("obstacles", _) => Ok(Self::Obstacles { count: count(MAX_OBSTACLES)? }),
             ("nearest-obstacles", _) => Ok(Self::NearestObstacles { count: count(MAX_OBSTACLES)? }),
+            ("waypoint-obstacles", _) => Ok(Self::WaypointObstacles { count: count(MAX_NEAR)? }),
             _ => Err(refuse(
                 "gradient, obstacle-cost, previous-gradients:K, trajectory, ends, obstacles:K, \
-                 nearest-obstacles:K or image"
+                 nearest-obstacles:K, waypoint-obstacles:K or image"
                     .into(),
             )),
         }
@@ -110,6 +119,7 @@ impl ObservationPart {
             Self::ObstacleCost => waypoints + 1,
             Self::PreviousGradients { count } => count * 2 * waypoints,
             Self::Obstacles { count } | Self::NearestObstacles { count } => 4 * count,
+            Self::WaypointObstacles { count } => 4 * count * waypoints,
             Self::Ends => 4,
             Self::Image => IMAGE_SIDE * IMAGE_SIDE,
         }
@@ -155,6 +165,7 @@ pub struct Encoder {
     /// The obstacles parts, which do not change during a task.
     obstacles: Vec<f32>,
     nearest: Vec<f32>,
+    boxes: Vec<boxes::Box>,
     /// The workspace without a trajectory, for the image.
     workspace: Vec<f32>,
 }
@@ -175,6 +186,7 @@ impl Encoder {
             previous: vec![],
             obstacles: vec![],
             nearest: vec![],
+            boxes: vec![],
             workspace: vec![],
         };
         for part in parts {
@@ -188,6 +200,9 @@ impl Encoder {
                 ObservationPart::Image => encoder.workspace = image::workspace(world),
                 ObservationPart::NearestObstacles { count } => {
                     encoder.nearest = nearest_boxes(world, objective, count)?;
+                }
+                ObservationPart::WaypointObstacles { count } => {
+                    encoder.boxes = all_boxes(world, objective, count)?;
                 }
                 _ => {}
             }
@@ -250,6 +265,12 @@ impl Encoder {
                 ObservationPart::Image => {
                     part_out.copy_from_slice(&self.workspace);
                     image::draw_trajectory(objective, x, part_out);
+                }
+                ObservationPart::WaypointObstacles { count } => {
+                    let points = x.as_chunks::<2>().0.iter();
+                    for (&p, out) in points.zip(part_out.chunks_exact_mut(4 * count)) {
+                        around(&self.boxes, p, out);
+                    }
                 }
                 ObservationPart::Ends => {
                     let ends = [objective.start(), objective.goal()];

@@ -1,24 +1,23 @@
 //! One planner on sets of tasks: success, iterations, time and quality.
 //!
 //! Three passes: the planner as it is used, on all cores, for success and quality; for optimizers, every
-//! iterate of every start with both checks, for the paper's any-step and end-state success; and the
-//! first tasks of each set once more on one thread, for times of plans and of iterations.
+//! iterate of every start with both checks, for the paper's any-step and end-state success
+//! ([`super::iterates`]); and the first tasks of each set once more on one thread, for times of plans and of
+//! iterations ([`super::timing`]).
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::Instant;
 
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-use sidestep::objective::{Objective, Scene};
-use sidestep::optimizer::{Method, Optimizer};
+use sidestep::objective::Scene;
 use sidestep::plan::{Options, Plan, Planner, Status, by_world, plan_in};
-use sidestep::rng::{Purpose, stream};
-use sidestep::run::{Iteration, Run, Until, run};
 use sidestep::{InvalidInput, Task, Trajectory};
 
+use super::iterates::every_iterate;
 use super::report::Row;
 use super::statistics::{mean, quantile, student_interval, wilson_interval};
+use super::timing::{times, us_per_iteration};
 use crate::failure::Failure;
 
 /// What the exact search says of a task.
@@ -136,7 +135,7 @@ pub fn plans(
 }
 
 /// Calls `work` with every task, its index and its scene, on all cores.
-fn in_scenes<T: Send>(
+pub(super) fn in_scenes<T: Send>(
     set: &TaskSet,
     options: &Options,
     work: impl Fn(&Arc<Scene>, usize, &Task) -> Result<T, InvalidInput> + Sync,
@@ -154,7 +153,7 @@ fn in_scenes<T: Send>(
 }
 
 /// Plans the task of that index, which is the number of its random stream.
-fn plan_indexed(
+pub(super) fn plan_indexed(
     scene: &Arc<Scene>,
     index: usize,
     task: &Task,
@@ -178,266 +177,4 @@ fn quality<'a>(
             _ => None,
         })
         .collect()
-}
-
-/// Microseconds on one thread.
-#[derive(Default)]
-struct Times {
-    /// From task to answer, of each task. Where tasks share a world, without what they share.
-    plans: Vec<f64>,
-    /// What the tasks of a world share: the first answer there less the same answer again.
-    worlds: Vec<f64>,
-}
-
-/// Times the first `timed` tasks of each set, one after the other.
-fn times(
-    sets: &[TaskSet],
-    planner: &Planner,
-    options: &Options,
-    timed: usize,
-) -> Result<Times, Failure> {
-    // One thread: planning must not spread its starts over the cores.
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .build()
-        .map_err(|error| Failure::at("threads", error))?;
-    pool.install(|| {
-        let mut times = Times::default();
-        for set in sets {
-            for (first, tasks) in by_world(&set.tasks[..timed.min(set.tasks.len())]) {
-                let begin = Instant::now();
-                let scene = Arc::new(Scene::of(&tasks[0], &options.profile));
-                std::hint::black_box(plan_indexed(&scene, first, &tasks[0], planner, options)?);
-                let cold = begin.elapsed().as_secs_f64() * 1e6;
-                if tasks.len() == 1 {
-                    times.plans.push(cold);
-                    continue;
-                }
-                let before = times.plans.len();
-                for (offset, task) in tasks.iter().enumerate() {
-                    let begin = Instant::now();
-                    let index = first + offset;
-                    std::hint::black_box(plan_indexed(&scene, index, task, planner, options)?);
-                    times.plans.push(begin.elapsed().as_secs_f64() * 1e6);
-                }
-                times.worlds.push((cold - times.plans[before]).max(0.0));
-            }
-        }
-        Ok(times)
-    })
-}
-
-/// Any-step and end-state figures over all tasks of several sets.
-pub struct EveryIterate {
-    /// Tasks feasible by the profile's check at any iterate of any start.
-    pub any: usize,
-    /// Tasks feasible by the profile's check at the last iterate of any start.
-    pub end: usize,
-    /// Tasks certified at any iterate of any start.
-    pub certified: usize,
-    /// First feasible iterate of each task, the least over its starts.
-    pub firsts: Vec<Option<usize>>,
-}
-
-impl EveryIterate {
-    /// First feasible iterates of the tasks that have one.
-    pub fn solved_iterations(&self) -> Vec<f64> {
-        self.firsts.iter().flatten().map(|&first| first as f64).collect()
-    }
-}
-
-/// Runs every start of every task to the end; steps `bar` once per task.
-pub fn every_iterate(
-    sets: &[TaskSet],
-    method: &Method,
-    options: &Options,
-    bar: &ProgressBar,
-) -> Result<EveryIterate, Failure> {
-    let runs = all_runs(sets, method, options, false, bar)?;
-    Ok(EveryIterate::of(&runs, options.starts))
-}
-
-/// The figures that the first 1, 5, .. (`counts`) starts would give alone, each start broken off once it can change none
-/// of them; so there is no end state, and `end` counts nothing.
-pub fn race(
-    sets: &[TaskSet],
-    method: &Method,
-    options: &Options,
-    counts: &[usize],
-) -> Result<Vec<EveryIterate>, Failure> {
-    let most = counts.iter().copied().max().unwrap_or(1);
-    let options = Options { starts: most, ..options.clone() };
-    let runs = all_runs(sets, method, &options, true, &ProgressBar::hidden())?;
-    let of = |&count: &usize| EveryIterate { end: 0, ..EveryIterate::of(&runs, count) };
-    Ok(counts.iter().map(of).collect())
-}
-
-impl EveryIterate {
-    /// What the first `starts` runs of each task say.
-    fn of(runs: &[Vec<Run>], starts: usize) -> Self {
-        let mut every = Self { any: 0, end: 0, certified: 0, firsts: Vec::new() };
-        for runs in runs {
-            let runs = &runs[..starts.min(runs.len())];
-            let first = runs.iter().filter_map(|run| run.first_feasible).min();
-            every.any += usize::from(first.is_some());
-            every.end += usize::from(runs.iter().any(|run| run.feasible_at_end));
-            every.certified += usize::from(runs.iter().any(|run| run.first_certified.is_some()));
-            every.firsts.push(first);
-        }
-        every
-    }
-}
-
-/// The runs of every task.
-fn all_runs(
-    sets: &[TaskSet],
-    method: &Method,
-    options: &Options,
-    race: bool,
-    bar: &ProgressBar,
-) -> Result<Vec<Vec<Run>>, Failure> {
-    let mut all = Vec::new();
-    for set in sets {
-        let run_one = |scene: &Arc<Scene>, index: usize, task: &Task| {
-            let outcome = all_starts(scene, task, index as u64, method, options, race);
-            bar.inc(1);
-            outcome
-        };
-        all.extend(in_scenes(set, options, run_one)?);
-    }
-    Ok(all)
-}
-
-/// Microseconds per iteration as planning makes them, until a start is certified: those of the first `timed` tasks of each
-/// set that take a step, one after the other on this thread, over all of their steps. `None` if none does.
-pub fn us_per_iteration(
-    sets: &[TaskSet],
-    method: &Method,
-    options: &Options,
-    timed: usize,
-) -> Result<Option<f64>, Failure> {
-    let (mut seconds, mut steps) = (0.0, 0);
-    for set in sets {
-        for (first, tasks) in by_world(&set.tasks[..timed.min(set.tasks.len())]) {
-            let scene = Arc::new(Scene::of(&tasks[0], &options.profile));
-            for (offset, task) in tasks.iter().enumerate() {
-                let walk = Walk::new(&scene, task, (first + offset) as u64, method, options)?;
-                let (seconds_of_task, steps_of_task) = walk.until_certified()?;
-                if steps_of_task > 0 {
-                    seconds += seconds_of_task;
-                    steps += steps_of_task;
-                }
-            }
-        }
-    }
-    Ok((steps > 0).then(|| seconds * 1e6 / steps as f64))
-}
-
-/// The starts of one task.
-struct Walk<'a> {
-    task: &'a Task,
-    index: u64,
-    method: &'a Method,
-    options: &'a Options,
-    objective: Objective,
-    x: Vec<f32>,
-}
-
-impl<'a> Walk<'a> {
-    fn new(
-        scene: &Arc<Scene>,
-        task: &'a Task,
-        index: u64,
-        method: &'a Method,
-        options: &'a Options,
-    ) -> Result<Self, InvalidInput> {
-        let waypoints = options.waypoints.unwrap_or(options.profile.waypoints);
-        let objective = Objective::new(task, scene.clone(), waypoints)?;
-        let x = vec![0.0; objective.dim()];
-        Ok(Self { task, index, method, options, objective, x })
-    }
-
-    /// Puts x at a start, and begins the method there.
-    fn begin(&mut self, start: usize) -> Result<Optimizer, InvalidInput> {
-        let Self { task, index, method, options, objective, x } = self;
-        if start == 0 {
-            objective.straight_line(x);
-        } else {
-            let mut rng = stream(options.seed, Purpose::Start, *index, start as u64);
-            options.strategy.draw(objective, &mut rng, x);
-        }
-        let rng = stream(options.seed, Purpose::Planner, *index, start as u64);
-        Optimizer::new(method, task, objective, rng)
-    }
-
-    /// Seconds and steps until the first start is certified.
-    fn until_certified(mut self) -> Result<(f64, usize), InvalidInput> {
-        let (mut seconds, mut steps) = (0.0, 0);
-        for start in 0..self.options.starts {
-            let mut optimizer = self.begin(start)?;
-            let (objective, most) = (&mut self.objective, self.options.steps);
-            optimizer.prepare(objective);
-            let begin = Instant::now();
-            let go_on = |_: &Iteration<'_>| ControlFlow::Continue(());
-            let found = run(objective, &mut optimizer, &mut self.x, most, Until::Certified, go_on);
-            seconds += begin.elapsed().as_secs_f64();
-            steps += found.steps;
-            if found.first_certified.is_some() {
-                break;
-            }
-        }
-        Ok((seconds, steps))
-    }
-}
-
-/// Runs every start. In a race a run ends where it is certified, or where no later iterate could be the first of all starts.
-fn all_starts(
-    scene: &Arc<Scene>,
-    task: &Task,
-    index: u64,
-    method: &Method,
-    options: &Options,
-    race: bool,
-) -> Result<Vec<Run>, InvalidInput> {
-    let mut walk = Walk::new(scene, task, index, method, options)?;
-    let mut runs = Vec::with_capacity(options.starts);
-    for start in 0..options.starts {
-        let mut optimizer = walk.begin(start)?;
-        let first = |pick: fn(&Run) -> Option<usize>| runs.iter().filter_map(pick).min();
-        let steps = match (first(|run| run.first_feasible), first(|run| run.first_certified)) {
-            (Some(feasible), Some(_)) if race => options.steps.min(feasible),
-            _ => options.steps,
-        };
-        let (objective, x) = (&mut walk.objective, &mut walk.x);
-        let found = run(objective, &mut optimizer, x, steps, Until::Spent, |seen| {
-            if race && seen.solved { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        });
-        runs.push(found);
-    }
-    Ok(runs)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use sidestep::profile::Profile;
-    use sidestep::suite::Suite;
-
-    #[test]
-    fn a_race_finds_what_running_every_start_to_the_end_finds() {
-        let tasks = Suite::Mix.generate(40, 7, &Profile::PAPER);
-        let exact = vec![Exact::Undecided; tasks.len()];
-        let sets = [TaskSet { label: "seed 7".into(), tasks, exact }];
-        let method = Method::GradientDescent { step: Some(0.5) };
-        let options = Options { profile: Profile::PAPER, steps: 60, ..Options::default() };
-        let counts = [1, 3, 6];
-        let raced = race(&sets, &method, &options, &counts).unwrap();
-        for (starts, raced) in counts.into_iter().zip(raced) {
-            let options = Options { starts, ..options.clone() };
-            let every = every_iterate(&sets, &method, &options, &ProgressBar::hidden()).unwrap();
-            assert_eq!((raced.any, raced.certified), (every.any, every.certified));
-            assert_eq!(raced.firsts, every.firsts);
-            assert_eq!(raced.end, 0);
-        }
-    }
 }

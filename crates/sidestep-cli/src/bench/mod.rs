@@ -2,9 +2,11 @@
 //!
 //! Measuring ([`measure`]) never formats and rendering ([`crate::table`]) never measures.
 
+pub mod iterates;
 pub mod measure;
 pub mod report;
 pub mod statistics;
+pub mod timing;
 
 use std::path::PathBuf;
 use std::time::Instant;

@@ -22,9 +22,9 @@ use sidestep::suite::Suite;
 use sidestep_train::Trainer;
 
 use crate::Global;
-use crate::bench::measure::{
-    EveryIterate, Exact, TaskSet, every_iterate, plans, race, us_per_iteration,
-};
+use crate::bench::iterates::{EveryIterate, every_iterate, race};
+use crate::bench::measure::{Exact, TaskSet, plans};
+use crate::bench::timing::us_per_iteration;
 use crate::bench::{exact_answers, statistics::mean};
 use crate::failure::Failure;
 use crate::input::read_text;

@@ -1,8 +1,5 @@
 //! Checks a configuration once, and names its parts.
 
-use std::fmt::Display;
-use std::ops::RangeInclusive;
-
 use sidestep::InvalidInput;
 use sidestep::observation::{ObservationPart, observation_len};
 use sidestep::policy::ActionRule;
@@ -11,6 +8,7 @@ use sidestep::starts::StartStrategy;
 use sidestep::suite::Suite;
 
 use super::TrainConfig;
+use super::range::{above_zero, refuse, training_seed, validation_seed, within};
 use crate::environment::Rules;
 use crate::ppo::RepairBy;
 
@@ -48,21 +46,8 @@ impl Setup {
             "hard" => Suite::HardTraining,
             other => return refuse("training.suite", other, "easy, hard or mix"),
         };
-        let (seed, validation_seed) = (config.training.seed, config.validation.seed);
-        if seed != 0 && seed < 1000 {
-            return refuse(
-                "training.seed",
-                seed,
-                "0, or 1000 and above; the rest are for validation and tests",
-            );
-        }
-        if ![7, 17].contains(&validation_seed) {
-            return refuse(
-                "validation.seed",
-                validation_seed,
-                "7 or 17; the rest are for training and tests",
-            );
-        }
+        training_seed("training.seed", config.training.seed)?;
+        validation_seed("validation.seed", config.validation.seed)?;
         let validation =
             Suite::named(&config.validation.suite).map_err(|error| error.inside("validation"))?;
         let starts = StartStrategy::named(&config.cloning.starts)
@@ -83,34 +68,6 @@ impl Setup {
         };
         Ok(Self { config, profile, parts, training, validation, starts, dagger_starts, rules })
     }
-}
-
-fn refuse<T>(field: &str, value: impl Display, allowed: &str) -> Result<T, InvalidInput> {
-    Err(InvalidInput::new(field, value, allowed))
-}
-
-fn within<T: PartialOrd + Display>(
-    field: &str,
-    value: T,
-    range: RangeInclusive<T>,
-) -> Result<(), InvalidInput> {
-    if range.contains(&value) {
-        return Ok(());
-    }
-    let allowed = format!("a number from {} to {}", range.start(), range.end());
-    Err(InvalidInput::new(field, value, allowed))
-}
-
-/// A number in (0, `most`].
-fn above_zero<T: Copy + Into<f64> + Display>(
-    field: &str,
-    value: T,
-    most: f64,
-) -> Result<(), InvalidInput> {
-    if value.into() > 0.0 && value.into() <= most {
-        return Ok(());
-    }
-    Err(InvalidInput::new(field, value, format!("a number above 0 and up to {most}")))
 }
 
 fn check_numbers(config: &TrainConfig) -> Result<(), InvalidInput> {

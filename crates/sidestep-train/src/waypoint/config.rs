@@ -4,10 +4,12 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use sidestep::network::WaypointShape;
+use sidestep::profile::Profile;
 use sidestep::suite::{candidate, varied};
 use sidestep::waypoint_view::ViewParts;
 use sidestep::{InvalidInput, Task};
 
+use crate::config::range::{above_zero, refuse, training_seed, validation_seed, within};
 use crate::config::toml_file;
 
 /// Everything that decides a training of the waypoint policy; the same configuration gives the same bits.
@@ -58,7 +60,7 @@ pub struct TaskConfig {
     pub varied: f32,
     /// Share that is kept of the tasks whose straight line is free.
     pub direct: f32,
-    /// Share of the units that train another number of waypoints than 10.
+    /// Share of the units of imitation, and of the tasks of policy gradient, with another number of waypoints than 10.
     pub other_waypoints: f32,
     /// Least and most of that number.
     pub waypoints: [usize; 2],
@@ -132,6 +134,8 @@ pub struct PolicyGradientConfig {
     pub other_starts: f32,
     /// Share that is walked of the tasks that the present policy solves without noise.
     pub solved: f32,
+    /// Weight of imitation on walks of tasks that no walk solves; 0 learns nothing from these.
+    pub repair: f32,
     /// How often the same walks are learned from; more than once is PPO.
     pub epochs: usize,
     /// From the second epoch on, how far the ratio of densities may leave 1.
@@ -153,6 +157,15 @@ pub struct WaypointValidationConfig {
 }
 
 impl TaskConfig {
+    /// A number of waypoints: mostly the default profile's.
+    pub(super) fn draw_waypoints(&self, rng: &mut ChaCha8Rng) -> usize {
+        if rng.random::<f32>() < self.other_waypoints {
+            rng.random_range(self.waypoints[0]..=self.waypoints[1])
+        } else {
+            Profile::DEFAULT.waypoints
+        }
+    }
+
     /// The training task of that number; `rng` decides its kind.
     pub(super) fn draw(&self, number: u64, rng: &mut ChaCha8Rng) -> Task {
         if rng.random::<f32>() < self.varied {
@@ -202,8 +215,8 @@ impl Default for ImitationConfig {
         Self {
             tasks: 16,
             steps: 3,
-            hinge_straight: 0.3,
-            hinge: 1.0,
+            hinge_straight: 0.2,
+            hinge: 0.6,
             kick_probability: 0.1,
             kick: 0.2,
             life: 20,
@@ -225,6 +238,7 @@ impl Default for PolicyGradientConfig {
             stretch: 0.5,
             other_starts: 0.25,
             solved: 0.5,
+            repair: 0.0,
             epochs: 1,
             clip: 0.2,
         }
@@ -258,9 +272,6 @@ impl WaypointConfig {
     /// # Errors
     /// If a value is out of range; the message names the field, the value and the range.
     pub fn check(&self) -> Result<(ViewParts, WaypointShape), InvalidInput> {
-        let refuse = |field: &str, value: &dyn std::fmt::Display, allowed: &str| {
-            Err(InvalidInput::new(field, value, allowed))
-        };
         if self.architecture != ARCHITECTURE {
             return refuse("architecture", &self.architecture, ARCHITECTURE);
         }
@@ -273,85 +284,54 @@ impl WaypointConfig {
             map: view.map.clone(),
         };
         shape.parameter_count()?;
-        let (tasks, imitation) = (&self.tasks, &self.imitation);
-        let (gradient, validation) = (&self.policy_gradient, &self.validation);
-        if tasks.seed != 0 && tasks.seed < 1000 {
-            let allowed = "0, or 1000 and above; the rest are for validation and tests";
-            return refuse("tasks.seed", &tasks.seed, allowed);
-        }
-        if ![7, 17].contains(&validation.seed) {
-            let allowed = "7 or 17; the rest are for training and tests";
-            return refuse("validation.seed", &validation.seed, allowed);
-        }
+        self.check_numbers()?;
+        Ok((view, shape))
+    }
+
+    fn check_numbers(&self) -> Result<(), InvalidInput> {
+        let Self { network, tasks, stages, imitation, policy_gradient, validation, .. } = self;
+        above_zero("network.action_pixels", network.action_pixels, 1000.0)?;
+        above_zero("network.action_limit_pixels", network.action_limit_pixels, 1000.0)?;
+        training_seed("tasks.seed", tasks.seed)?;
+        within("tasks.varied", tasks.varied, 0.0..=1.0)?;
+        within("tasks.direct", tasks.direct, 0.0..=1.0)?;
+        within("tasks.other_waypoints", tasks.other_waypoints, 0.0..=1.0)?;
         let [least, most] = tasks.waypoints;
         if !(1..=most).contains(&least) || most > 200 {
             let found = format!("[{least}, {most}]");
-            return refuse("tasks.waypoints", &found, "[least, most] within 1 to 200");
+            return refuse("tasks.waypoints", found, "[least, most] within 1 to 200");
         }
-        if self.stages.is_empty() {
-            return refuse("stages", &"none", "at least one stage");
+        if stages.is_empty() {
+            return refuse("stages", "none", "at least one stage");
         }
-        let rates = self.stages.iter().map(|stage| ("stages.learning_rate", stage.learning_rate));
-        let positive = [
-            ("network.action_pixels", f64::from(network.action_pixels)),
-            ("network.action_limit_pixels", f64::from(network.action_limit_pixels)),
-            ("policy_gradient.noise_pixels", f64::from(gradient.noise_pixels)),
-        ];
-        for (field, value) in positive.into_iter().chain(rates) {
-            if !(value > 0.0 && value <= 1000.0) {
-                return refuse(field, &value, "a number above 0 and up to 1000");
-            }
+        for stage in stages {
+            within("stages.updates", stage.updates, 1..=1_000_000_000)?;
+            above_zero("stages.learning_rate", stage.learning_rate, 1000.0)?;
         }
-        for (field, value) in [
-            ("tasks.varied", tasks.varied),
-            ("tasks.direct", tasks.direct),
-            ("tasks.other_waypoints", tasks.other_waypoints),
-            ("imitation.kick_probability", imitation.kick_probability),
-            ("imitation.long_share", imitation.long_share),
-            ("policy_gradient.haste", gradient.haste),
-            ("policy_gradient.stretch", gradient.stretch),
-            ("policy_gradient.other_starts", gradient.other_starts),
-            ("policy_gradient.solved", gradient.solved),
-            ("policy_gradient.clip", gradient.clip),
-        ] {
-            if !(0.0..=1.0).contains(&value) {
-                return refuse(field, &value, "a number from 0 to 1");
-            }
-        }
-        if !(0.0..=0.9).contains(&imitation.retry) {
-            return refuse("imitation.retry", &imitation.retry, "a number from 0 to 0.9");
-        }
-        for (field, value) in [
-            ("imitation.hinge", imitation.hinge),
-            ("imitation.hinge_straight", imitation.hinge_straight),
-            ("imitation.kick", imitation.kick),
-        ] {
-            if !(0.0..=100.0).contains(&value) {
-                return refuse(field, &value, "a number from 0 to 100");
-            }
-        }
-        for (field, value, most) in [
-            ("imitation.tasks", imitation.tasks as u64, 1024),
-            ("imitation.steps", imitation.steps as u64, 1000),
-            ("imitation.life", u64::from(imitation.life), 100_000),
-            ("imitation.long_life", u64::from(imitation.long_life), 100_000),
-            ("policy_gradient.tasks", gradient.tasks as u64, 256),
-            ("policy_gradient.epochs", gradient.epochs as u64, 100),
-            ("policy_gradient.walks", gradient.walks as u64, 256),
-            ("policy_gradient.steps", gradient.steps as u64, 1000),
-            ("validation.count", validation.count as u64, 100_000),
-            ("validation.every", validation.every, 1_000_000),
-            ("validation.steps", validation.steps as u64, 100_000),
-        ] {
-            if !(1..=most).contains(&value) {
-                return refuse(field, &value, &format!("a number from 1 to {most}"));
-            }
-        }
-        for stage in &self.stages {
-            if !(1..=1_000_000_000).contains(&stage.updates) {
-                return refuse("stages.updates", &stage.updates, "a number from 1 to 1000000000");
-            }
-        }
-        Ok((view, shape))
+        within("imitation.tasks", imitation.tasks, 1..=1024)?;
+        within("imitation.steps", imitation.steps, 1..=1000)?;
+        within("imitation.hinge_straight", imitation.hinge_straight, 0.0..=100.0)?;
+        within("imitation.hinge", imitation.hinge, 0.0..=100.0)?;
+        within("imitation.kick_probability", imitation.kick_probability, 0.0..=1.0)?;
+        within("imitation.kick", imitation.kick, 0.0..=100.0)?;
+        within("imitation.life", imitation.life, 1..=100_000)?;
+        within("imitation.long_life", imitation.long_life, 1..=100_000)?;
+        within("imitation.long_share", imitation.long_share, 0.0..=1.0)?;
+        within("imitation.retry", imitation.retry, 0.0..=0.9)?;
+        within("policy_gradient.tasks", policy_gradient.tasks, 1..=256)?;
+        within("policy_gradient.walks", policy_gradient.walks, 1..=256)?;
+        within("policy_gradient.steps", policy_gradient.steps, 1..=1000)?;
+        above_zero("policy_gradient.noise_pixels", policy_gradient.noise_pixels, 1000.0)?;
+        within("policy_gradient.haste", policy_gradient.haste, 0.0..=1.0)?;
+        within("policy_gradient.stretch", policy_gradient.stretch, 0.0..=1.0)?;
+        within("policy_gradient.other_starts", policy_gradient.other_starts, 0.0..=1.0)?;
+        within("policy_gradient.solved", policy_gradient.solved, 0.0..=1.0)?;
+        within("policy_gradient.repair", policy_gradient.repair, 0.0..=1.0)?;
+        within("policy_gradient.epochs", policy_gradient.epochs, 1..=100)?;
+        within("policy_gradient.clip", policy_gradient.clip, 0.0..=1.0)?;
+        within("validation.count", validation.count, 1..=100_000)?;
+        validation_seed("validation.seed", validation.seed)?;
+        within("validation.every", validation.every, 1..=1_000_000)?;
+        within("validation.steps", validation.steps, 1..=100_000)
     }
 }

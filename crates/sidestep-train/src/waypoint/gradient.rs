@@ -14,6 +14,9 @@
 //! which is the score of the noise modes: what lies outside of them is not explored and not learned here. Tasks whose
 //! walks all end alike teach nothing.
 //!
+//! Where no walk of a task got through there is nothing to compare; then some of its walks are learned from by imitation ([`super::loss`]),
+//! as repair does for PPO ([`crate::ppo`]).
+//!
 //! After the first epoch the output has moved from what was walked by, so that the same step is another noise, and counts by the
 //! ratio of densities, clipped as PPO does:
 //!
@@ -23,18 +26,22 @@
 //! ```
 
 use sidestep::network::{OUTPUTS, WaypointScratch};
+use sidestep::objective::Objective;
 
 use super::imitation::Part;
-use super::walks::{MODES, Shapes, Walk, Walked, Walker};
+use super::loss::{Lesson, LossScratch};
+use super::walks::{MODES, Shapes, Walk, Walked, Walker, Worth};
+use crate::expert::routes::Target;
 
 /// The walks on some tasks of an update, with the buffers to learn from them.
 #[derive(Debug, Default)]
 pub(super) struct Lessons {
     scratch: WaypointScratch,
     walked: Vec<Walked>,
-    /// Outputs that each walk with an advantage was walked by, in order.
+    /// Outputs that each walk that teaches was walked by, in order.
     old: Vec<Vec<[f32; OUTPUTS]>>,
     d_output: Vec<[f32; OUTPUTS]>,
+    loss_scratch: LossScratch,
 }
 
 impl Lessons {
@@ -56,17 +63,19 @@ impl Lessons {
 
     /// Adds the gradient summed over walks to `part`; the first call after [`Lessons::walk`] is the first epoch.
     pub fn learn(&mut self, walker: Walker<'_>, part: &mut Part) {
-        let Self { scratch, walked, old, d_output } = self;
+        let Self { scratch, walked, old, d_output, loss_scratch } = self;
         let (net, row_len) = (walker.net, walker.recipe.view.row_len());
         let stride = net.input_stride();
         let mut place = 0;
-        for Walked { waypoints, shapes, map, walks } in walked {
+        for Walked { waypoints, shapes, map, walks, objective, targets } in walked {
             let is_first = old.len() == place;
             if let (Some(map), false) = (map.as_mut(), is_first) {
                 net.read_map(map.scratch());
             }
             for walk in walks.iter() {
-                let Some(advantage) = walk.advantage else { continue };
+                if walk.worth == Worth::Nothing {
+                    continue;
+                }
                 let rows = walk.seen.len() / stride;
                 scratch.input(rows, stride).copy_from_slice(&walk.seen);
                 if let (Some(map), false) = (map.as_ref(), is_first) {
@@ -76,7 +85,16 @@ impl Lessons {
                 if is_first {
                     old.push((0..rows).map(|row| scratch.output(row)).collect());
                 }
-                slopes(walker, walk, advantage, shapes, &old[place], scratch, d_output);
+                d_output.clear();
+                match walk.worth {
+                    Worth::Nothing => {}
+                    Worth::Advantage(advantage) => {
+                        slopes(walker, walk, advantage, shapes, &old[place], scratch, d_output);
+                    }
+                    Worth::Repair => {
+                        repair(walker, walk, objective, targets, scratch, loss_scratch, d_output);
+                    }
+                }
                 place += 1;
                 net.backward(d_output, scratch, &mut part.gradient);
                 if let Some(map) = map.as_mut() {
@@ -101,7 +119,6 @@ fn slopes(
     d_output: &mut Vec<[f32; OUTPUTS]>,
 ) {
     let (sigma, clip, waypoints) = (walker.sigma(), walker.settings.clip, shapes.values[0].len());
-    d_output.clear();
     for (step, z) in walk.noise.chunks_exact(2 * MODES).enumerate() {
         let first = step * waypoints;
         let mut now = [0.0; 2 * MODES];
@@ -132,6 +149,34 @@ fn slopes(
     }
 }
 
+/// The slopes of imitation with respect to the outputs that `scratch` holds, `[steps x N]`.
+fn repair(
+    walker: Walker<'_>,
+    walk: &Walk,
+    objective: &Objective,
+    targets: &[Target],
+    scratch: &WaypointScratch,
+    loss_scratch: &mut LossScratch,
+    d_output: &mut Vec<[f32; OUTPUTS]>,
+) {
+    let (rule, dim) = (&walker.recipe.rule, objective.dim());
+    let mut view = walk.view.clone();
+    let lesson = Lesson {
+        objective,
+        targets,
+        along: view.along(),
+        scale: rule.scale,
+        hinge_weight: walker.recipe.imitation.hinge_straight,
+    };
+    for (step, before) in walk.places.chunks_exact(dim).enumerate() {
+        let outputs = |i: usize| scratch.output(step * dim / 2 + i);
+        let mut after = before.to_vec();
+        view.apply(rule, outputs, &mut after);
+        lesson.loss(before, &after, outputs, loss_scratch, d_output);
+    }
+    d_output.iter_mut().flatten().for_each(|slope| *slope *= walker.settings.repair);
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::config::WaypointConfig;
@@ -145,7 +190,8 @@ mod tests {
     fn loss(walker: Walker<'_>, walk: &Walk, old: &[[f32; 2]], now: &[[f32; 2]]) -> f64 {
         let (sigma, clip) = (f64::from(walker.sigma()), f64::from(walker.settings.clip));
         let shapes = Shapes::new(10);
-        let advantage = f64::from(walk.advantage.unwrap());
+        let Worth::Advantage(advantage) = walk.worth else { panic!("{:?}", walk.worth) };
+        let advantage = f64::from(advantage);
         let mut total = 0.0;
         for (step, z) in walk.noise.chunks_exact(2 * MODES).enumerate() {
             let mut exponent = 0.0;
@@ -196,7 +242,8 @@ mod tests {
         net.update(|parameters| parameters.iter_mut().for_each(|p| *p *= 1.3));
         let walker = Walker { net: &net, recipe: &recipe, settings: &settings };
         let walks = lessons.walked.iter().flat_map(|walked| &walked.walks);
-        let walks: Vec<&Walk> = walks.filter(|walk| walk.advantage.is_some()).collect();
+        let walks: Vec<&Walk> =
+            walks.filter(|walk| matches!(walk.worth, Worth::Advantage(_))).collect();
         assert!(!walks.is_empty());
         let (mut scratch, mut found) = (WaypointScratch::default(), Vec::new());
         let (mut clipped, mut close, mut all) = (0, 0, 0);
@@ -204,7 +251,8 @@ mod tests {
             let rows = walk.seen.len() / net.input_stride();
             scratch.input(rows, net.input_stride()).copy_from_slice(&walk.seen);
             net.forward(&mut scratch, 10);
-            let advantage = walk.advantage.unwrap();
+            let Worth::Advantage(advantage) = walk.worth else { continue };
+            found.clear();
             slopes(walker, walk, advantage, &Shapes::new(10), old, &scratch, &mut found);
             let now: Vec<_> = (0..rows).map(|row| scratch.output(row)).collect();
             clipped += found.chunks(10).filter(|step| step.iter().all(|s| *s == [0.0; 2])).count();

@@ -13,7 +13,7 @@ use sidestep::policy::ActionRule;
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::starts::{StartStrategy, bend};
-use sidestep::waypoint_view::{TaskMap, ViewParts, WaypointView};
+use sidestep::waypoint_view::{Look, TaskMap, ViewParts, WaypointView};
 use std::sync::Arc;
 
 use super::config::{ImitationConfig, TaskConfig};
@@ -111,12 +111,7 @@ impl Slot {
     /// Slot `index` at the start of unit `unit` of the training.
     pub fn new(recipe: &Recipe, net: &WaypointNet, unit: u64, index: u64) -> Self {
         let mut rng = stream(recipe.seed, Purpose::Imitation, unit, index);
-        let counts = &recipe.tasks.waypoints;
-        let waypoints = if rng.random::<f32>() < recipe.tasks.other_waypoints {
-            rng.random_range(counts[0]..=counts[1])
-        } else {
-            Profile::DEFAULT.waypoints
-        };
+        let waypoints = recipe.tasks.draw_waypoints(&mut rng);
         let next_task = (unit * 1024 + index) * TASKS_PER_SLOT;
         let mut draws = Draws { rng, waypoints, next_task, failed: Vec::new() };
         Self {
@@ -248,7 +243,7 @@ impl Draws {
                 continue;
             }
             let members = KINDS.map(|kind| {
-                let view = WaypointView::new(&recipe.view.probes, &objective);
+                let view = WaypointView::new(&recipe.view.probes, &objective, Look::default());
                 let x = vec![0.0; objective.dim()];
                 let mut member = Member { kind, x, view, solved: false };
                 begin(kind, &objective, &mut self.rng, &mut member);

@@ -17,7 +17,7 @@ use crate::expert::routes::{Target, nearest};
 /// A pixel of the paper's field in normalised units.
 pub(super) const PIXEL: f32 = 0.1;
 /// Points of each segment that the hinge sees.
-const HINGE_POINTS: usize = 4;
+const HINGE_POINTS: usize = 7;
 
 /// A task's part of the loss.
 pub(super) struct Lesson<'a> {
@@ -134,7 +134,7 @@ mod tests {
     use sidestep::profile::Profile;
     use sidestep::rng::standard_normal;
     use sidestep::suite::candidate;
-    use sidestep::waypoint_view::{Probes, WaypointView};
+    use sidestep::waypoint_view::{Look, Probes, WaypointView};
     use std::sync::Arc;
 
     /// Slopes of the loss with respect to the outputs, one coordinate at a time, against differences of the loss.
@@ -153,7 +153,7 @@ mod tests {
             objective.straight_line(&mut before);
             let outputs: Vec<[f32; 2]> = (0..10).map(|_| standard_normal(&mut rng)).collect();
             let value = |outputs: &[[f32; 2]], slopes: &mut Vec<[f32; 2]>| {
-                let mut view = WaypointView::new(&probes, &objective);
+                let mut view = WaypointView::new(&probes, &objective, Look::default());
                 let mut after = before.clone();
                 view.apply(&rule, |i| outputs[i], &mut after);
                 let along = view.along();

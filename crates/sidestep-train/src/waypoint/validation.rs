@@ -10,7 +10,7 @@ use sidestep::objective::{Objective, Scene};
 use sidestep::policy::ActionRule;
 use sidestep::profile::Profile;
 use sidestep::suite::Suite;
-use sidestep::waypoint_view::{TaskMap, ViewParts, WaypointView};
+use sidestep::waypoint_view::{Look, TaskMap, ViewParts, WaypointView};
 
 use super::config::WaypointValidationConfig;
 use crate::validation::Validation;
@@ -60,7 +60,11 @@ impl Tasks {
                 let Route::Found { .. } = route else { return None };
                 let objective = Objective::new(task, scene, Profile::DEFAULT.waypoints).ok()?;
                 let map = view.map.as_ref().map(|shape| TaskMap::new(shape, &objective));
-                Some(Problem { view: WaypointView::new(&view.probes, &objective), map, objective })
+                Some(Problem {
+                    view: WaypointView::new(&view.probes, &objective, Look::default()),
+                    map,
+                    objective,
+                })
             };
             tasks.par_iter().filter_map(problem).collect()
         };

@@ -7,22 +7,27 @@ use sidestep::objective::{Objective, Scene};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::starts::{StartStrategy, bend};
-use sidestep::waypoint_view::{TaskMap, WaypointView};
+use sidestep::waypoint_view::{Look, TaskMap, WaypointView};
 use std::sync::Arc;
 
 use super::config::PolicyGradientConfig;
 use super::imitation::{Recipe, Sums};
 use super::loss::PIXEL;
+use super::routes;
+use crate::expert::routes::Target;
 use crate::gaussian::standard_normal;
 
 /// Shapes of noise along the trajectory.
-pub(super) const MODES: usize = 4;
+pub(super) const MODES: usize = 8;
+
+/// Walks of a task that are repaired.
+const REPAIRED: usize = 2;
 
 /// One walk and what it is worth.
 #[derive(Debug, Clone)]
 pub(super) struct Walk {
     x: Vec<f32>,
-    view: WaypointView,
+    pub view: WaypointView,
     /// Steps until it was free.
     solved: Option<usize>,
     /// Rows that went into the network, step by step.
@@ -31,8 +36,19 @@ pub(super) struct Walk {
     pub places: Vec<f32>,
     /// Noise z, `[steps x MODES x 2]`.
     pub noise: Vec<f32>,
-    /// A; none where all walks of the task are worth the same.
-    pub advantage: Option<f32>,
+    /// What is learned from it.
+    pub worth: Worth,
+}
+
+/// What is learned from a walk.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Worth {
+    /// Nothing: all walks of the task are worth the same.
+    Nothing,
+    /// To do more of the same, or less: A.
+    Advantage(f32),
+    /// What the expert would have done, for no walk of the task got through.
+    Repair,
 }
 
 /// The walks on one task.
@@ -42,6 +58,9 @@ pub(super) struct Walked {
     pub shapes: Shapes,
     pub map: Option<TaskMap>,
     pub walks: Vec<Walk>,
+    /// The task, and the expert's answers where walks are to be repaired.
+    pub objective: Objective,
+    pub targets: Vec<Target>,
 }
 
 /// What all walks have in common.
@@ -89,10 +108,10 @@ impl Walker<'_> {
         if scene.certifier().segment_is_free(task.start, task.goal) {
             return None;
         }
-        let waypoints = Profile::DEFAULT.waypoints;
+        let waypoints = recipe.tasks.draw_waypoints(&mut rng);
         let objective = Objective::new(&task, scene.clone(), waypoints).ok()?;
         let x = self.start(&objective, &mut rng);
-        let view = WaypointView::new(&recipe.view.probes, &objective);
+        let view = WaypointView::new(&recipe.view.probes, &objective, Look::default());
         let map = recipe.view.map.as_ref().map(|shape| {
             let mut map = TaskMap::new(shape, &objective);
             net.begin_map(map.scratch());
@@ -111,7 +130,7 @@ impl Walker<'_> {
             seen: Vec::new(),
             places: Vec::new(),
             noise: Vec::new(),
-            advantage: None,
+            worth: Worth::Nothing,
         };
         let mut walks = vec![walk; settings.walks];
         let shapes = Shapes::new(waypoints);
@@ -134,9 +153,18 @@ impl Walker<'_> {
         let dim = waypoints * net.input_stride();
         for (walk, r) in walks.iter_mut().zip(&returns) {
             sums.steps += (walk.seen.len() / dim) as f64;
-            walk.advantage = (spread >= 1e-6).then_some((r - mean) / (spread + 0.1));
+            if spread >= 1e-6 {
+                walk.worth = Worth::Advantage((r - mean) / (spread + 0.1));
+            }
         }
-        Some(Walked { waypoints, shapes, map, walks })
+        let mut targets = Vec::new();
+        if settings.repair > 0.0 && walks.iter().all(|walk| walk.solved.is_none()) {
+            targets = routes::targets(&task, &objective, &mut rng);
+            if !targets.is_empty() {
+                walks.iter_mut().take(REPAIRED).for_each(|walk| walk.worth = Worth::Repair);
+            }
+        }
+        Some(Walked { waypoints, shapes, map, walks, objective, targets })
     }
 
     /// The straight line, or a random bend of it or via-point.

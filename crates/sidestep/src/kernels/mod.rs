@@ -20,6 +20,7 @@ pub(crate) mod dense;
 mod norm;
 mod product;
 mod tanh;
+pub(crate) mod transpose;
 
 pub use adam::AdamStep;
 pub use norm::squared_norm;

@@ -58,6 +58,67 @@ pub(super) fn nearest_boxes(
     Ok(boxes.into_iter().flatten().collect())
 }
 
+/// Bounding boxes of a task's obstacles, for [`around`].
+pub(super) fn all_boxes(
+    world: &World,
+    objective: &Objective,
+    count: usize,
+) -> Result<Vec<Box>, InvalidInput> {
+    if world.grid().is_some() {
+        return Err(InvalidInput::new(
+            "task.grid",
+            "an occupancy grid",
+            format!("shapes only, for the policy's observation waypoint-obstacles:{count}"),
+        ));
+    }
+    let frame = objective.scene().frame();
+    let normalised = |obstacle: &Obstacle| {
+        let bounds = obstacle.bounding_box();
+        let [min, max] = [bounds.min, bounds.max].map(|p| frame.to_normalised(p));
+        let half = |axis: usize| 0.5 * (max[axis] - min[axis]);
+        Box { centre: [0, 1].map(|a| 0.5 * (min[a] + max[a])), half: [half(0), half(1)] }
+    };
+    Ok(world.obstacles().iter().map(normalised).collect())
+}
+
+/// Lengths are multiplied by this: gradients are of a tenth, and should not go under beside them.
+const SCALE: f32 = 0.1;
+
+/// A bounding box, in normalised units.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Box {
+    centre: [f32; 2],
+    half: [f32; 2],
+}
+
+impl Box {
+    /// Signed distance of a point.
+    fn distance(&self, p: [f32; 2]) -> f32 {
+        let [u, v] = [0, 1].map(|a| (p[a] - self.centre[a]).abs() - self.half[a]);
+        u.max(0.0).hypot(v.max(0.0)) + u.max(v).min(0.0)
+    }
+}
+
+/// Offset to the centre (clamped to 2, in normalised units) and size of the `out.len() / 4` boxes nearest to `p`, nearest first;
+/// zero where there are fewer.
+pub(super) fn around(boxes: &[Box], p: [f32; 2], out: &mut [f32]) {
+    out.fill(0.0);
+    let mut before = (f32::NEG_INFINITY, 0);
+    for out in out.chunks_exact_mut(4) {
+        let ranks = boxes.iter().enumerate().map(|(index, near)| (near.distance(p), index + 1));
+        let next = ranks
+            .filter(|rank| *rank > before)
+            .min_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+        let Some(rank) = next else { return };
+        let Box { centre, half } = boxes[rank.1 - 1];
+        for axis in 0..2 {
+            out[axis] = SCALE * (centre[axis] - p[axis]).clamp(-2.0, 2.0);
+            out[2 + axis] = SCALE * 2.0 * half[axis];
+        }
+        before = rank;
+    }
+}
+
 /// Centre and size of an obstacle's bounding box, from the field's centre in half-extents.
 fn centre_and_size(obstacle: &Obstacle, objective: &Objective) -> [f32; 4] {
     let (frame, bounds) = (objective.scene().frame(), obstacle.bounding_box());

@@ -67,6 +67,28 @@ fn nearest_obstacles_come_first_and_there_may_be_any_number() {
 }
 
 #[test]
+fn a_waypoint_sees_the_obstacles_nearest_to_it() {
+    // Waypoints at (18, 32), (32, 32) and (46, 32); a square of side 4 around each centre.
+    let parts = [ObservationPart::WaypointObstacles { count: 2 }];
+    let seen = observe(&task(&[FAR, NEAR, [20.0, 31.0]], None), &parts).unwrap();
+    let expected = [
+        [2.0, -1.0, 4.0, 4.0],  // it is inside of this one
+        [14.0, 20.0, 4.0, 4.0], // (14, 28) away, which counts as 20 across
+    ];
+    let close = |got: &[f32], want: [f64; 4]| {
+        let same = got.iter().zip(want).all(|(a, b)| (100.0 * f64::from(*a) - b).abs() < 1e-4);
+        assert!(same, "{got:?} {want:?}");
+    };
+    close(&seen[..4], expected[0]);
+    close(&seen[8..12], [-12.0, -1.0, 4.0, 4.0]);
+    close(&seen[12..16], [16.0, 4.0, 4.0, 4.0]);
+    close(&seen[16..20], [2.0, 4.0, 4.0, 4.0]);
+    let far = observe(&task(&[FAR], None), &parts).unwrap();
+    close(&far[..4], expected[1]);
+    close(&far[4..8], [0.0; 4]);
+}
+
+#[test]
 fn what_does_not_fit_names_both_sides() {
     let check = |task: &Task, part: ObservationPart, expected: &[&str]| {
         let message = observe(task, &[part]).unwrap_err().to_string();
@@ -79,6 +101,8 @@ fn what_does_not_fit_names_both_sides() {
     check(&gridded, ObservationPart::Obstacles { count: 2 }, &["occupancy grid", "obstacles:2"]);
     let nearest = ObservationPart::NearestObstacles { count: 2 };
     check(&gridded, nearest, &["occupancy grid", "nearest-obstacles:2"]);
+    let around = ObservationPart::WaypointObstacles { count: 2 };
+    check(&gridded, around, &["occupancy grid", "waypoint-obstacles:2"]);
     let image = observe(&gridded, &[ObservationPart::Image]).unwrap();
     assert_eq!((image.len(), image[0]), (64 * 64, 1.0), "an image shows a grid");
 }
@@ -92,17 +116,25 @@ fn names_read_back_and_a_part_appears_once() {
         ObservationPart::Trajectory,
         ObservationPart::Obstacles { count: 10 },
         ObservationPart::NearestObstacles { count: 8 },
+        ObservationPart::WaypointObstacles { count: 2 },
         ObservationPart::Ends,
         ObservationPart::Image,
     ];
     for part in parts {
         assert_eq!(ObservationPart::named(&part.name()), Ok(part));
     }
-    assert_eq!(image_place(&parts, 10), Some(20 + 11 + 60 + 20 + 40 + 32 + 4));
-    assert_eq!(observation_len(&parts, 10).unwrap(), 20 + 11 + 60 + 20 + 40 + 32 + 4 + 4096);
+    assert_eq!(image_place(&parts, 10), Some(20 + 11 + 60 + 20 + 40 + 32 + 80 + 4));
+    assert_eq!(observation_len(&parts, 10).unwrap(), 20 + 11 + 60 + 20 + 40 + 32 + 80 + 4 + 4096);
     let twice = observation_len(&[ObservationPart::Image, ObservationPart::Image], 10);
     assert!(twice.unwrap_err().to_string().contains("each kind of part once"));
-    for wrong in ["imag", "image:2", "ends:1", "nearest-obstacles", "nearest-obstacles:0"] {
+    for wrong in [
+        "imag",
+        "image:2",
+        "ends:1",
+        "nearest-obstacles",
+        "nearest-obstacles:0",
+        "waypoint-obstacles:65",
+    ] {
         let message = ObservationPart::named(wrong).unwrap_err().to_string();
         assert!(message.contains(wrong), "{message}");
     }

@@ -3,8 +3,9 @@
 //! ξ ← ξ + clip(π(o)), as the policy was trained: the update clipped per coordinate, positions kept
 //! inside the field where the policy's card says so.
 //!
-//! A waypoint policy that is not through after [`PATIENCE`] steps hardly ever gets through by itself. So every that many steps a
-//! trajectory that is not free is bent at random first (`KICK`), which is what the optimizer does about local optima.
+//! A waypoint policy that is not through after [`PATIENCE`] steps hardly ever gets through by itself. So after every that many steps a
+//! trajectory that is not free is bent at random. A policy with a map knows the way: it is bent a little ([`NUDGE`]), and from then
+//! on looks at the task another way, from the other end or in a mirror ([`Look`]). One without is bent much ([`KICK`]).
 
 use std::sync::Arc;
 
@@ -17,11 +18,12 @@ use crate::observation::Encoder;
 use crate::policy::{Policy, PolicyNetwork};
 use crate::starts::bend;
 use crate::task::Task;
-use crate::waypoint_view::{TaskMap, ViewParts, WaypointView};
+use crate::waypoint_view::{Look, TaskMap, ViewParts, WaypointView};
 
-/// Steps between two kicks.
+/// Steps before a trajectory is bent.
 const PATIENCE: u32 = 10;
-/// Size of a kick, in normalised units; see [`bend`].
+/// Sizes of the bend with and without a map, in normalised units; see [`bend`].
+const NUDGE: f32 = 0.5;
 const KICK: f32 = 2.0;
 
 #[derive(Debug)]
@@ -41,12 +43,66 @@ enum Sight {
         action: Vec<f32>,
         scratch: Scratch,
     },
-    /// The map is made by the first step, for many a start needs none.
     Waypoints {
-        view: WaypointView,
-        map: Option<TaskMap>,
+        /// The looks that were taken so far, in the order of [`Look::ALL`].
+        sights: Vec<Sighted>,
+        /// Which of them is taken.
+        at: usize,
+        /// Steps so far.
+        age: u32,
         scratch: WaypointScratch,
     },
+}
+
+/// A look at the task. The map is made by the first step, for many a start needs none.
+#[derive(Debug)]
+struct Sighted {
+    view: WaypointView,
+    map: Option<TaskMap>,
+}
+
+impl Sighted {
+    fn new(parts: &ViewParts, objective: &Objective) -> Self {
+        Self { view: WaypointView::new(&parts.probes, objective, Look::default()), map: None }
+    }
+
+    /// The same task looked at another way.
+    fn other(
+        &self,
+        (parts, network): (&ViewParts, &WaypointNet),
+        objective: &Objective,
+        look: Look,
+    ) -> Self {
+        let map = self.map.as_ref().map(|map| {
+            let mut map = map.other(objective, look);
+            network.read_map(map.scratch());
+            map
+        });
+        Self { view: WaypointView::new(&parts.probes, objective, look), map }
+    }
+
+    /// Reads the task's map, where the policy has one and that has not been done.
+    fn read_map(&mut self, parts: &ViewParts, network: &WaypointNet, objective: &Objective) {
+        if let (Some(shape), None) = (&parts.map, &self.map) {
+            let mut own = TaskMap::new(shape, objective);
+            network.read_map(own.scratch());
+            self.map = Some(own);
+        }
+    }
+
+    /// Writes what the network sees of `x`.
+    fn encode(
+        &mut self,
+        (parts, network): (&ViewParts, &WaypointNet),
+        objective: &Objective,
+        x: &[f32],
+        scratch: &mut WaypointScratch,
+    ) {
+        self.read_map(parts, network, objective);
+        let stride = network.input_stride();
+        let rows = scratch.input(objective.waypoints(), stride);
+        self.view.encode(objective, x, self.map.as_ref(), rows, stride);
+    }
 }
 
 impl Learned {
@@ -68,8 +124,9 @@ impl Learned {
                 }
             }
             PolicyNetwork::Waypoint { view, .. } => Sight::Waypoints {
-                view: WaypointView::new(&view.probes, objective),
-                map: None,
+                sights: vec![Sighted::new(view, objective)],
+                at: 0,
+                age: 0,
                 scratch: WaypointScratch::default(),
             },
         };
@@ -89,19 +146,25 @@ impl Learned {
             }
             (
                 PolicyNetwork::Waypoint { view: parts, network },
-                Sight::Waypoints { view, map, scratch },
+                Sight::Waypoints { sights, at, age, scratch },
             ) => {
-                let (waypoints, stride) = (objective.waypoints(), network.input_stride());
-                read_map(parts, network, objective, map);
-                let rows = scratch.input(waypoints, stride);
-                view.encode(objective, x, map.as_ref(), rows, stride);
-                let age = view.age();
-                if age > 0 && age.is_multiple_of(PATIENCE) && !view.is_free() {
-                    bend(x, KICK, &mut self.rng);
-                    view.encode(objective, x, map.as_ref(), rows, stride);
+                let policy = (parts, network);
+                sights[*at].encode(policy, objective, x, scratch);
+                if *age > 0 && age.is_multiple_of(PATIENCE) && !sights[*at].view.is_free() {
+                    if parts.map.is_some() {
+                        bend(x, NUDGE, &mut self.rng);
+                        *at = (*at + 1) % Look::ALL.len();
+                        if *at == sights.len() {
+                            sights.push(sights[0].other(policy, objective, Look::ALL[*at]));
+                        }
+                    } else {
+                        bend(x, KICK, &mut self.rng);
+                    }
+                    sights[*at].encode(policy, objective, x, scratch);
                 }
-                network.forward(scratch, waypoints);
-                view.apply(rule, |i| scratch.output(i), x);
+                *age += 1;
+                network.forward(scratch, objective.waypoints());
+                sights[*at].view.apply(rule, |i| scratch.output(i), x);
             }
             // `new` made the sight that belongs to the network.
             _ => {}
@@ -110,28 +173,15 @@ impl Learned {
 
     /// Reads the task's map, where the policy has one and that has not been done; else the first step does it.
     pub fn prepare(&mut self, objective: &Objective) {
-        if let (PolicyNetwork::Waypoint { view: parts, network }, Sight::Waypoints { map, .. }) =
+        if let (PolicyNetwork::Waypoint { view: parts, network }, Sight::Waypoints { sights, .. }) =
             (self.policy.network(), &mut self.sight)
         {
-            read_map(parts, network, objective, map);
+            sights[0].read_map(parts, network, objective);
         }
     }
 
     /// Whether the policy sees the gradient of U.
     pub fn uses_gradient(&self) -> bool {
         matches!(self.sight, Sight::Whole { .. })
-    }
-}
-
-fn read_map(
-    parts: &ViewParts,
-    network: &WaypointNet,
-    objective: &Objective,
-    map: &mut Option<TaskMap>,
-) {
-    if let (Some(shape), None) = (&parts.map, &map) {
-        let mut own = TaskMap::new(shape, objective);
-        network.read_map(own.scratch());
-        *map = Some(own);
     }
 }

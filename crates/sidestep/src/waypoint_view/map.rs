@@ -3,14 +3,17 @@
 //! The square's side is the distance from start to goal and [`MARGIN`] beyond both; its middle is the middle of the line.
 //! Cell (i, j) is row j * cells + i, i along the line, j across it. A cell's inputs are the coarse signed distances
 //! at 3 x 3 points in it, how near it is to the start and to the goal, and the cells' size; then what the shortest
-//! ways over those points ([`super::ways`]) say of its middle point: how much of a detour a way through it is, how
+//! ways round the obstacles ([`super::ways`]) say of its middle: how much of a detour a way through it is, how
 //! far along from start to goal it lies, and the length of the shortest way over the straight line's. The network's convolutions turn
 //! them into features once a task ([`crate::network::WaypointNet::read_map`]); a waypoint's row holds the
-//! features at the waypoint and a little ahead, behind and beside it, bilinear between the cells' middles, and detour and
-//! place along at the same places, bilinear between the points.
+//! features at the waypoint and a little ahead, behind and beside it, bilinear between the cells' middles, detour and
+//! place along at the same places, and where on the shortest way a waypoint of its number would lie.
 
-use super::ways::Ways;
-use super::{coarse, turn};
+use super::coarse;
+use super::look::{Axes, Look};
+use super::ways::{WAYS, Ways};
+use std::sync::Arc;
+
 use crate::distance::{Field, LANES};
 use crate::network::{MAP_INPUTS, MapScratch, MapShape};
 use crate::objective::Objective;
@@ -21,48 +24,58 @@ const MARGIN: f32 = 1.2;
 const POINTS: usize = 3;
 /// Where a waypoint reads, in frame axes from its place, in normalised units.
 const OFFSETS: [[f32; 2]; PLACES] = [[0.0, 0.0], [0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5]];
+/// Offsets to the shortest way are multiplied by this.
+const WISH: f32 = 0.6;
 /// Places where a waypoint reads the map.
-pub(super) const PLACES: usize = 5;
-/// Numbers of the ways that it reads at each.
-pub(super) const WAYS: usize = 2;
-/// A detour of this counts half of the most.
-const DETOUR: f32 = 1.0;
+const PLACES: usize = 5;
+
+/// Numbers that a waypoint reads of a map of so many channels.
+pub(super) fn read_len(channels: usize) -> usize {
+    PLACES * (channels + WAYS) + 2
+}
 
 /// The map of one task.
 #[derive(Debug, Clone)]
 pub struct TaskMap {
     /// The middle of cell (0, 0), from the start, in frame axes.
     first: [f32; 2],
-    start: [f32; 2],
-    along: [f32; 2],
+    axes: Axes,
     /// Side of a cell, in normalised units.
     cell: f32,
     cells: usize,
     channels: usize,
-    /// Per point, detour and place along, `[(POINTS cells)^2 x WAYS]`.
-    ways: Vec<[f32; WAYS]>,
+    ways: Arc<Ways>,
+    backwards: bool,
     scratch: MapScratch,
 }
 
 impl TaskMap {
     /// The map of the objective's task; its features are not there until the network has read it.
     pub fn new(shape: &MapShape, objective: &Objective) -> Self {
-        let (start, goal) = (objective.start(), objective.goal());
-        let (length, along) = super::direction(start, goal);
+        let axes = Axes::new(objective, Look::default());
+        let length = axes.length;
         let cells = shape.cells;
         let cell = (length + 2.0 * MARGIN) / cells as f32;
         let first = [0.5 * cell - MARGIN, 0.5 * cell * (1.0 - cells as f32)];
         let mut map = Self {
             first,
-            start,
-            along,
+            axes,
             cell,
             cells,
             channels: shape.channels,
-            ways: Vec::new(),
+            ways: Arc::new(Ways::new(objective)),
+            backwards: false,
             scratch: MapScratch::new(shape),
         };
         map.fill(length, objective.scene().exact_field());
+        map
+    }
+
+    /// The map of the same task looked at another way; it shares the ways, which are the longer part of the work.
+    pub fn other(&self, objective: &Objective, look: Look) -> Self {
+        let axes = Axes::new(objective, look);
+        let mut map = Self { axes, backwards: look.backwards, ..self.clone() };
+        map.fill(axes.length, objective.scene().exact_field());
         map
     }
 
@@ -72,23 +85,22 @@ impl TaskMap {
     }
 
     fn fill(&mut self, length: f32, field: &Field) {
+        let (axes, start) = (self.axes, self.axes.start);
         let side = self.cells * POINTS;
         let count = (side * side).next_multiple_of(LANES);
-        let mut x = vec![self.start[0]; count];
-        let mut y = vec![self.start[1]; count];
+        let mut x = vec![start[0]; count];
+        let mut y = vec![start[1]; count];
         let mut distance = vec![0.0; count];
         let step = self.cell / POINTS as f32;
         let least = self.first.map(|middle| middle - step * (POINTS / 2) as f32);
         for j in 0..side {
             for i in 0..side {
-                let p = turn([least[0] + i as f32 * step, least[1] + j as f32 * step], self.along);
-                x[j * side + i] = self.start[0] + p[0];
-                y[j * side + i] = self.start[1] + p[1];
+                let p = axes.turn([least[0] + i as f32 * step, least[1] + j as f32 * step]);
+                x[j * side + i] = start[0] + p[0];
+                y[j * side + i] = start[1] + p[1];
             }
         }
         field.probe_all(&x, &y, &mut distance);
-        let longer = self.find_ways(&distance, step, length);
-
         let near = |middle: [f32; 2], end: f32| {
             let away = (middle[0] - end).hypot(middle[1]) / (1.5 * self.cell);
             (1.0 - away).max(0.0)
@@ -102,30 +114,38 @@ impl TaskMap {
             }
             let middle =
                 [self.first[0] + i as f32 * self.cell, self.first[1] + j as f32 * self.cell];
-            let [detour, along] =
-                self.ways[(j * POINTS + POINTS / 2) * side + i * POINTS + POINTS / 2];
+            let p = axes.turn(middle);
+            let at = [start[0] + p[0], start[1] + p[1]];
+            let [detour, along] = self.ways.read(at, self.backwards);
             row[POINTS * POINTS..MAP_INPUTS].copy_from_slice(&[
                 near(middle, 0.0),
                 near(middle, length),
                 2.0 * self.cell,
                 detour,
                 along,
-                longer,
+                self.ways.longer(),
             ]);
         }
     }
 
-    /// Writes the features `[PLACES x channels]` and ways `[PLACES x WAYS]` that a waypoint at `p` reads.
-    pub(super) fn read(&self, p: [f32; 2], out: &mut [f32]) {
-        let features = self.scratch.features();
-        let (features_out, ways_out) = out.split_at_mut(PLACES * self.channels);
-        for (offset, out) in OFFSETS.iter().zip(ways_out.chunks_exact_mut(WAYS)) {
-            out.fill(0.0);
-            for (point, weight) in self.points(p, *offset) {
-                out.iter_mut().zip(self.ways[point]).for_each(|(out, way)| *out += weight * way);
-            }
+    /// Writes what waypoint `i` at `p` reads: features `[PLACES x channels]`, ways `[PLACES x WAYS]` and the offset to the shortest way.
+    pub(super) fn read(&self, i: usize, p: [f32; 2], out: &mut [f32]) {
+        self.read_features(p, out);
+        let (ways, offset) = out[PLACES * self.channels..].split_at_mut(PLACES * WAYS);
+        for (offset, out) in OFFSETS.iter().zip(ways.chunks_exact_mut(WAYS)) {
+            let around = self.axes.turn(*offset);
+            let at = [p[0] + around[0], p[1] + around[1]];
+            out.copy_from_slice(&self.ways.read(at, self.backwards));
         }
-        for (offset, out) in OFFSETS.iter().zip(features_out.chunks_exact_mut(self.channels)) {
+        let route = self.ways.route();
+        let wish = route[if self.backwards { route.len() - 1 - i } else { i }];
+        let away = [WISH * (wish[0] - p[0]), WISH * (wish[1] - p[1])];
+        offset[..2].copy_from_slice(&self.axes.back(away));
+    }
+
+    fn read_features(&self, p: [f32; 2], out: &mut [f32]) {
+        let features = self.scratch.features();
+        for (offset, out) in OFFSETS.iter().zip(out.chunks_exact_mut(self.channels)) {
             out.fill(0.0);
             for (cell, weight) in self.corners(p, *offset) {
                 let row = &features[cell * self.channels..][..self.channels];
@@ -134,11 +154,11 @@ impl TaskMap {
         }
     }
 
-    /// Writes what waypoints `x [N x 2]` read to their rows `[N x stride]` of a view of `row_len` numbers.
+    /// Writes the features that waypoints `x [N x 2]` read to their rows `[N x stride]` of a view of `row_len` numbers.
     pub fn read_rows(&self, x: &[f32], rows: &mut [f32], stride: usize, row_len: usize) {
-        let first = row_len - PLACES * (self.channels + WAYS);
+        let first = row_len - read_len(self.channels);
         for (p, row) in x.as_chunks::<2>().0.iter().zip(rows.chunks_exact_mut(stride)) {
-            self.read(*p, &mut row[first..row_len]);
+            self.read_features(*p, &mut row[first..][..PLACES * self.channels]);
         }
     }
 
@@ -156,7 +176,7 @@ impl TaskMap {
     /// Collects the slopes of a loss with respect to what waypoints `x [N x 2]` read: `rows [N x stride]` are the slopes of
     /// their rows, of a view of `row_len` numbers.
     pub fn collect_rows(&mut self, x: &[f32], rows: &[f32], stride: usize, row_len: usize) {
-        let first = row_len - PLACES * (self.channels + WAYS);
+        let first = row_len - read_len(self.channels);
         for (p, row) in x.as_chunks::<2>().0.iter().zip(rows.chunks_exact(stride)) {
             self.collect(*p, &row[first..][..PLACES * self.channels]);
         }
@@ -164,49 +184,15 @@ impl TaskMap {
 
     /// The four cells around a place with their weights.
     fn corners(&self, p: [f32; 2], offset: [f32; 2]) -> [(usize, f32); 4] {
-        let own = self.own(p, offset);
-        bilinear([0, 1].map(|axis| (own[axis] - self.first[axis]) / self.cell), self.cells)
-    }
-
-    /// The four points around a place with their weights.
-    fn points(&self, p: [f32; 2], offset: [f32; 2]) -> [(usize, f32); 4] {
-        let own = self.own(p, offset);
-        bilinear(self.among_points(own), self.cells * POINTS)
-    }
-
-    /// A place from the start, in frame axes.
-    fn own(&self, p: [f32; 2], offset: [f32; 2]) -> [f32; 2] {
-        let own = super::back([p[0] - self.start[0], p[1] - self.start[1]], self.along);
-        [own[0] + offset[0], own[1] + offset[1]]
-    }
-
-    /// Column and row among the points.
-    fn among_points(&self, own: [f32; 2]) -> [f32; 2] {
-        let step = self.cell / POINTS as f32;
-        [0, 1].map(|axis| (own[axis] - self.first[axis]) / step + (POINTS / 2) as f32)
-    }
-
-    /// Fills the ways from the points' signed distances; returns the shortest way over the straight line, less 1, at most 3.
-    fn find_ways(&mut self, distance: &[f32], step: f32, length: f32) -> f32 {
-        let side = self.cells * POINTS;
-        let mut ways = Ways::new(side);
-        let ends = [[0.0, 0.0], [length, 0.0]].map(|end| self.among_points(end));
-        ways.solve(distance, step, ends);
-        let point = |at: usize| ways.get(at % side, at / side);
-        let shortest =
-            (0..side * side).map(|at| point(at)[0] + point(at)[1]).fold(f32::INFINITY, f32::min);
-        let way = |at: usize| {
-            let [from, to] = point(at);
-            let detour = ((from + to - shortest) * step).max(0.0);
-            [2.0 * detour / (detour + DETOUR), (from - to) / (from + to).max(1.0)]
-        };
-        self.ways = (0..side * side).map(way).collect();
-        (shortest * step / length.max(step) - 1.0).clamp(0.0, 3.0)
+        let start = self.axes.start;
+        let own = self.axes.back([p[0] - start[0], p[1] - start[1]]);
+        let place = [0, 1].map(|a| (own[a] + offset[a] - self.first[a]) / self.cell);
+        bilinear(place, self.cells)
     }
 }
 
 /// The four nodes around a place in a square of `side` x `side` nodes with their weights.
-fn bilinear(place: [f32; 2], side: usize) -> [(usize, f32); 4] {
+pub(super) fn bilinear(place: [f32; 2], side: usize) -> [(usize, f32); 4] {
     let place = place.map(|v| v.clamp(0.0, (side - 1) as f32));
     let base = place.map(|v| (v as usize).min(side - 2));
     let [u, v] = [place[0] - base[0] as f32, place[1] - base[1] as f32];

@@ -1,7 +1,7 @@
 //! The parts of a waypoint view by name: `waypoints`, `probes:..` and, if wanted, `map:..`.
 
 use super::OWN;
-use super::map::{PLACES, WAYS};
+use super::map::read_len;
 use crate::error::InvalidInput;
 use crate::network::MapShape;
 
@@ -52,8 +52,7 @@ impl ViewParts {
 
     /// Numbers of a view's row.
     pub fn row_len(&self) -> usize {
-        OWN + self.probes.count()
-            + self.map.as_ref().map_or(0, |map| PLACES * (map.channels + WAYS))
+        OWN + self.probes.count() + self.map.as_ref().map_or(0, |map| read_len(map.channels))
     }
 }
 

@@ -24,11 +24,20 @@ fn objective(task: &Task, profile: &Profile) -> Objective {
 
 /// The task turned by a right angle about the middle of its field.
 fn turned(task: &Task) -> Task {
-    let place = |p: Point| [64.0 - p[1], p[0]];
+    moved(task, |p| [64.0 - p[1], p[0]])
+}
+
+/// The task with left and right exchanged.
+fn mirrored(task: &Task) -> Task {
+    moved(task, |p| [64.0 - p[0], p[1]])
+}
+
+fn moved(task: &Task, place: impl Fn(Point) -> Point) -> Task {
     let rect = |obstacle: &Obstacle| {
         let Rect { min, max } = obstacle.bounding_box();
         let (a, b) = (place(min), place(max));
-        Obstacle::Rect(Rect::new([b[0], a[1]], [a[0], b[1]]).unwrap())
+        let least = [0, 1].map(|axis| a[axis].min(b[axis]));
+        Obstacle::Rect(Rect::new(least, [0, 1].map(|axis| a[axis].max(b[axis]))).unwrap())
     };
     let obstacles = task.world.obstacles().iter().map(rect).collect();
     let world = Arc::new(World::new(task.world.bounds(), obstacles, None));
@@ -43,7 +52,7 @@ fn a_turned_world_looks_the_same() {
         let mut seen = Vec::new();
         for task in [task.clone(), turned(&task)] {
             let objective = objective(&task, &Profile::DEFAULT);
-            let mut view = WaypointView::new(&probes(), &objective);
+            let mut view = WaypointView::new(&probes(), &objective, Look::default());
             let mut x = vec![0.0; 14];
             objective.straight_line(&mut x);
             let stride = row_len(&probes()) + 3;
@@ -61,6 +70,48 @@ fn a_turned_world_looks_the_same() {
     }
 }
 
+/// Rows of a straight line after one update, with what the map says of the ways.
+fn look_at(task: &Task, look: Look) -> Vec<f32> {
+    let names = ["waypoints", "probes:8x0.5,2", "map:6x16x1"].map(String::from);
+    let parts = ViewParts::from_names(&names).unwrap();
+    let objective = objective(task, &Profile::DEFAULT);
+    let mut view = WaypointView::new(&parts.probes, &objective, look);
+    let map = TaskMap::new(parts.map.as_ref().unwrap(), &objective).other(&objective, look);
+    let mut x = vec![0.0; 14];
+    objective.straight_line(&mut x);
+    let mut rows = vec![0.0; 7 * parts.row_len()];
+    for _ in 0..2 {
+        view.encode(&objective, &x, Some(&map), &mut rows, parts.row_len());
+        view.apply(&ActionRule::PAPER, |i| [0.1 * i as f32, 0.3], &mut x);
+    }
+    rows
+}
+
+#[test]
+fn a_look_is_that_of_another_task() {
+    for index in 0..20 {
+        let task = if index % 2 == 0 { candidate(1000, index) } else { varied(1000, index) };
+        let [ahead, back, ahead_mirrored, back_mirrored] =
+            Look::ALL.map(|look| look_at(&task, look));
+        let reversed = Task { start: task.goal, goal: task.start, ..task.clone() };
+        let mirrored = mirrored(&task);
+        let others = [
+            (back, look_at(&reversed, Look::default()), 0.15),
+            (back_mirrored, look_at(&reversed, Look::ALL[2]), 0.15),
+            (ahead_mirrored, look_at(&mirrored, Look::default()), 0.15),
+        ];
+        for (this, other, close) in others {
+            // At ties of distance the gradient, and of length the way, may be another; and start and goal lie between
+            // the ways' points, of which the other one is taken in a mirror.
+            let pairs = this.iter().zip(&other);
+            let different = pairs.filter(|(a, b)| (*a - *b).abs() > close).count();
+            assert!(different <= 16, "{index}: {different}");
+            let same = ahead.iter().zip(&this).filter(|(a, b)| (*a - *b).abs() <= 2e-3).count();
+            assert!(same + 100 < this.len(), "{index}: {same}");
+        }
+    }
+}
+
 #[test]
 fn both_profiles_look_the_same() {
     let task = candidate(1000, 3);
@@ -70,7 +121,8 @@ fn both_profiles_look_the_same() {
         objective.straight_line(&mut x);
         let stride = row_len(&probes());
         let mut rows = vec![0.0; 7 * stride];
-        WaypointView::new(&probes(), &objective).encode(&objective, &x, None, &mut rows, stride);
+        WaypointView::new(&probes(), &objective, Look::default())
+            .encode(&objective, &x, None, &mut rows, stride);
         rows
     });
     for (a, b) in rows[0].iter().zip(&rows[1]) {
@@ -87,7 +139,7 @@ fn rows_hold_what_the_table_says() {
     let objective = Objective::new(&task, Arc::new(Scene::of(&task, &Profile::DEFAULT)), 1);
     let objective = objective.unwrap();
     let probes = Probes::named("probes:4x1").unwrap();
-    let mut view = WaypointView::new(&probes, &objective);
+    let mut view = WaypointView::new(&probes, &objective, Look::default());
     let mut row = vec![0.0; row_len(&probes)];
     // The one waypoint is at (24, 32): 0.6 from the rectangle, which blocks the segment after it.
     view.encode(&objective, &[2.4, 3.2], None, &mut row, row_len(&probes));
@@ -116,16 +168,16 @@ fn rows_hold_what_the_table_says() {
     for (at, (got, want)) in row.iter().zip(expect).enumerate() {
         assert!((got - want).abs() <= 1e-5, "{at}: {got} {want}");
     }
-    let after = &row[27..34];
-    // Points at (30, 32), (36, 32) and (42, 32): on the side, 0.2 behind it, 0.8 behind it.
-    let expect = [0.0, 0.2 / 0.6, 0.8 / 0.6, 0.0];
+    let after = &row[28..36];
+    // Points at (30, 32), (36, 32) and (42, 32): on the side, 0.2 behind it, 0.8 behind it. Of all seven the third is
+    // deepest, (33, 32), 0.1 before the other side.
+    let expect = [0.0, 0.2 / 0.6, 0.8 / 0.6, -0.1 / 0.15, 1.0, 0.0, 3.0 / 8.0, 0.0];
     for (got, want) in after.iter().zip(expect) {
         assert!((got - want).abs() <= 1e-5, "{after:?}");
     }
-    assert_eq!(after[6], 0.0, "blocked");
-    assert_eq!(row[26], 1.0, "the segment before is free");
+    assert_eq!(row[27], 1.0, "the segment before is free");
     // Probes ahead, left, behind, right: inside the rectangle by 0.2 + .., beside it.
-    let ahead = row[34];
+    let ahead = row[36];
     assert!((ahead + 0.0).abs() <= 0.34 && ahead <= 0.0, "{ahead}");
     assert!(!view.is_free());
 }
@@ -169,7 +221,7 @@ fn gradients_flow_through_the_map() {
     let stride = net.input_stride();
     let loss = |net: &WaypointNet, map: &mut TaskMap, scratch: &mut WaypointScratch| {
         net.read_map(map.scratch());
-        let mut view = WaypointView::new(&parts.probes, &objective);
+        let mut view = WaypointView::new(&parts.probes, &objective, Look::default());
         view.encode(&objective, &x, Some(map), scratch.input(7, stride), stride);
         net.forward(scratch, 7);
         (0..7).map(|i| f64::from(scratch.output(i)[0] - 0.5 * scratch.output(i)[1])).sum::<f64>()
