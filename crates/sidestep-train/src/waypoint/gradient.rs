@@ -179,7 +179,7 @@ fn repair(
 
 #[cfg(test)]
 mod tests {
-    use super::super::config::WaypointConfig;
+    use super::super::config::{TaskConfig, WaypointConfig};
     use super::super::imitation::Recipe;
     use super::*;
     use sidestep::network::{WaypointNet, WaypointShape};
@@ -228,7 +228,7 @@ mod tests {
         let recipe = Recipe {
             view,
             rule: ActionRule { scale: 0.4, limit: 1.6, keep_inside: true },
-            tasks: config.tasks,
+            tasks: TaskConfig { other_waypoints: 0.0, ..config.tasks },
             imitation: config.imitation,
             seed: 0,
         };

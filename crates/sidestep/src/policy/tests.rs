@@ -152,7 +152,7 @@ fn a_waypoint_policy_comes_back_and_others_are_refused() {
     changed(&|d| d["observation"] = parts("map:5x16"), &["map:GxCxD1,D2"]);
     changed(&|d| d["observation"] = parts("map:6x16x1"), &["layers"]);
     changed(&|d| d["observation"] = parts("gradient"), &["observation: gradient", "map:"]);
-    changed(&|d| d["sizes"][0] = 129.into(), &["policy.sizes", "128, width"]);
+    changed(&|d| d["sizes"][0] = 129.into(), &["policy.sizes", "132, width"]);
     changed(&|d| d["sizes"][1] = 17.into(), &["network.width: 17"]);
     changed(&|d| d["sizes"][1] = (1_u64 << 40).into(), &["network.width"]);
     changed(&|d| d["sizes"][2] = 0.into(), &["network.dilations: 0"]);
