@@ -22,8 +22,8 @@ pub(super) struct Ways {
     first: [f32; 2],
     /// From one point to the next.
     step: f32,
-    /// What [`Ways::read`] returns between the points, `[SIDE x SIDE]` each.
-    values: [Vec<f32>; WAYS],
+    /// What [`Ways::read`] returns between the points, `[SIDE x SIDE]`.
+    values: Vec<[f32; WAYS]>,
     /// The shortest way, as N waypoints evenly spaced.
     route: Vec<[f32; 2]>,
     longer: f32,
@@ -76,7 +76,11 @@ impl Ways {
         Self {
             first,
             step,
-            values: [detours, places].map(|values| values.to_vec()),
+            values: detours
+                .into_iter()
+                .zip(places)
+                .map(|(detour, place)| [detour, place])
+                .collect(),
             route,
             longer: (shortest * step / length.max(step) - 1.0).clamp(0.0, 3.0),
         }
@@ -87,9 +91,7 @@ impl Ways {
         let place = [0, 1].map(|a| (p[a] - self.first[a]) / self.step);
         let mut out = [0.0; WAYS];
         for (point, weight) in bilinear(place, SIDE) {
-            out.iter_mut()
-                .zip(&self.values)
-                .for_each(|(out, values)| *out += weight * values[point]);
+            out.iter_mut().zip(self.values[point]).for_each(|(out, way)| *out += weight * way);
         }
         if backwards {
             out[1] = -out[1];
