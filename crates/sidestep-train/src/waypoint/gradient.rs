@@ -5,7 +5,7 @@
 //! phi_k(i) = sin(pi k i / (N + 1)) and z standard normal,
 //!
 //! ```text
-//! step = output + noise,   noise = sum over k = 1..4 of (sigma / k) z_k phi_k        (in both directions)
+//! step = output + noise,   noise = sum over k = 1..8 of (sigma / k) z_k phi_k        (in both directions)
 //! R = 1 - haste t / T - stretch min(length / shortest - 1, 1) where the walk is free after t of T steps, else 0
 //! A = (R - mean of the task) / (standard deviation of the task + 0.1)
 //! d(-A log density) / d output_i = -A sum over k of z_k phi_k(i) / (sigma / k) / |phi_k|^2

@@ -258,7 +258,7 @@ impl Walker<'_> {
     }
 }
 
-/// The noise modes over the waypoints; they are orthogonal.
+/// The noise modes over the waypoints; orthogonal where there are no fewer waypoints than modes.
 #[derive(Debug)]
 pub(super) struct Shapes {
     pub values: [Vec<f32>; MODES],

@@ -33,13 +33,7 @@ pub(super) fn nearest_boxes(
     objective: &Objective,
     count: usize,
 ) -> Result<Vec<f32>, InvalidInput> {
-    if world.grid().is_some() {
-        return Err(InvalidInput::new(
-            "task.grid",
-            "an occupancy grid",
-            format!("shapes only, for the policy's observation nearest-obstacles:{count}"),
-        ));
-    }
+    refuse_grid(world, "nearest-obstacles", count)?;
     let mut boxes: Vec<[f32; 4]> =
         world.obstacles().iter().map(|obstacle| centre_and_size(obstacle, objective)).collect();
     let (start, goal) =
@@ -58,19 +52,22 @@ pub(super) fn nearest_boxes(
     Ok(boxes.into_iter().flatten().collect())
 }
 
+/// A grid has no boxes to list.
+fn refuse_grid(world: &World, part: &str, count: usize) -> Result<(), InvalidInput> {
+    if world.grid().is_none() {
+        return Ok(());
+    }
+    let allowed = format!("shapes only, for the policy's observation {part}:{count}");
+    Err(InvalidInput::new("task.grid", "an occupancy grid", allowed))
+}
+
 /// Bounding boxes of a task's obstacles, for [`around`].
 pub(super) fn all_boxes(
     world: &World,
     objective: &Objective,
     count: usize,
 ) -> Result<Vec<Box>, InvalidInput> {
-    if world.grid().is_some() {
-        return Err(InvalidInput::new(
-            "task.grid",
-            "an occupancy grid",
-            format!("shapes only, for the policy's observation waypoint-obstacles:{count}"),
-        ));
-    }
+    refuse_grid(world, "waypoint-obstacles", count)?;
     let frame = objective.scene().frame();
     let normalised = |obstacle: &Obstacle| {
         let bounds = obstacle.bounding_box();

@@ -2,7 +2,7 @@
 //! eight neighbours of a point.
 //!
 //! ```text
-//! d_q = min over neighbours p of q of d_p + |p - q| w_q,   w = 1 in free space, rising to 40 where q is a step deep in an obstacle
+//! d_q = min over neighbours p of q of d_p + |p - q| w_q,   w = 1 in free space, rising to 400 where q is a step deep in an obstacle
 //! ```
 //!
 //! Obstacles are slow, not closed: a passage that falls between the points is only a little farther, and a waypoint inside an
@@ -26,10 +26,12 @@ const SLOWEST: f32 = 400.0;
 /// Points of a row with a border of [`FAR`].
 const STRIDE: usize = (SIDE + 2).next_multiple_of(SQUARE);
 
-/// w by rows.
-type Weights = [[f32; STRIDE]; STRIDE];
-/// d of start and goal by rows.
-type Distances = [[[f32; STRIDE]; ENDS]; STRIDE];
+/// Numbers of the points by rows, `N` of them for each.
+type Rows<const N: usize> = [[[f32; STRIDE]; N]; STRIDE];
+/// w.
+type Weights = Rows<1>;
+/// d of start and goal.
+type Distances = Rows<ENDS>;
 
 /// Distances over a square of points.
 #[derive(Debug)]
@@ -42,8 +44,8 @@ impl Sweeps {
     /// Distances for these signed distances `[SIDE x SIDE]` at points a `step` apart, from the points that `ends` (column, row) are
     /// nearest to.
     pub fn new(signed_distance: &[f32], step: f32, ends: [[f32; 2]; ENDS]) -> Self {
-        let mut weights = Box::new([[FAR; STRIDE]; STRIDE]);
-        for (line, row) in signed_distance.chunks_exact(SIDE).take(SIDE).zip(&mut weights[1..]) {
+        let mut weights = Box::new([[[FAR; STRIDE]]; STRIDE]);
+        for (line, [row]) in signed_distance.chunks_exact(SIDE).take(SIDE).zip(&mut weights[1..]) {
             for (weight, distance) in row[1..].iter_mut().zip(line) {
                 let depth = ((0.25 * step - distance) / (1.25 * step)).clamp(0.0, 1.0);
                 *weight = 1.0 + (SLOWEST - 1.0) * depth;
@@ -70,7 +72,7 @@ impl Sweeps {
 
     /// The cost w of a step to a point.
     pub fn weight(&self, column: usize, row: usize) -> f32 {
-        self.weights[row + 1][column + 1]
+        self.weights[row + 1][0][column + 1]
     }
 }
 
@@ -80,25 +82,15 @@ dispatch! {
 
 #[inline(always)]
 fn sweep_body<const ISA: u8>(weights: &Weights, distances: &mut Distances) {
-    let mut turned_weights = [[0.0; STRIDE]; STRIDE];
+    let mut turned_weights = [[[0.0; STRIDE]; 1]; STRIDE];
     let mut turned = [[[0.0; STRIDE]; ENDS]; STRIDE];
-    for i in (0..STRIDE).step_by(SQUARE) {
-        for j in (0..STRIDE).step_by(SQUARE) {
-            let mut square = [[0.0; SQUARE]; SQUARE];
-            for (k, row) in square.iter_mut().enumerate() {
-                row.copy_from_slice(&weights[i + k][j..j + SQUARE]);
-            }
-            for (k, row) in transposed::<ISA>(&square).iter().enumerate() {
-                turned_weights[j + k][i..i + SQUARE].copy_from_slice(row);
-            }
-        }
-    }
+    turn::<ISA, 1>(weights, &mut turned_weights);
     let mut before = f32::INFINITY;
     for _ in 0..ROUNDS {
         down_and_up(weights, distances);
-        turn::<ISA>(distances, &mut turned);
+        turn::<ISA, ENDS>(distances, &mut turned);
         down_and_up(&turned_weights, &mut turned);
-        turn::<ISA>(&turned, distances);
+        turn::<ISA, ENDS>(&turned, distances);
         let after = total(distances);
         if after == before {
             break;
@@ -127,11 +119,11 @@ fn total(distances: &Distances) -> f32 {
 fn down_and_up(weights: &Weights, distances: &mut Distances) {
     for row in 2..=SIDE {
         let (before, rest) = distances.split_at_mut(row);
-        relax(&weights[row], &before[row - 1], &mut rest[0]);
+        relax(&weights[row][0], &before[row - 1], &mut rest[0]);
     }
     for row in (1..SIDE).rev() {
         let (rest, after) = distances.split_at_mut(row + 1);
-        relax(&weights[row], &after[0], &mut rest[row]);
+        relax(&weights[row][0], &after[0], &mut rest[row]);
     }
 }
 
@@ -162,16 +154,16 @@ fn relax(weights: &[f32; STRIDE], from: &[[f32; STRIDE]; ENDS], to: &mut [[f32; 
 
 /// Exchanges rows and columns, border and all.
 #[inline(always)]
-fn turn<const ISA: u8>(from: &Distances, to: &mut Distances) {
+fn turn<const ISA: u8, const N: usize>(from: &Rows<N>, to: &mut Rows<N>) {
     for i in (0..STRIDE).step_by(SQUARE) {
         for j in (0..STRIDE).step_by(SQUARE) {
-            for end in 0..ENDS {
+            for layer in 0..N {
                 let mut square = [[0.0; SQUARE]; SQUARE];
                 for (k, row) in square.iter_mut().enumerate() {
-                    row.copy_from_slice(&from[i + k][end][j..j + SQUARE]);
+                    row.copy_from_slice(&from[i + k][layer][j..j + SQUARE]);
                 }
                 for (k, row) in transposed::<ISA>(&square).iter().enumerate() {
-                    to[j + k][end][i..i + SQUARE].copy_from_slice(row);
+                    to[j + k][layer][i..i + SQUARE].copy_from_slice(row);
                 }
             }
         }
