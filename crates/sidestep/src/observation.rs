@@ -6,6 +6,7 @@
 
 mod boxes;
 mod image;
+mod waypoint_image;
 
 use crate::error::InvalidInput;
 use crate::objective::Objective;
@@ -50,6 +51,9 @@ pub enum ObservationPart {
     Ends,
     /// The workspace and the trajectory as an image, `[64 x 64]` (`image.rs`).
     Image,
+    /// The same around each waypoint, in pictures of 16 x 16 that make one image `[64 x 64]`; of at most 16 waypoints
+    /// (`waypoint_image.rs`).
+    WaypointImage,
 }
 
 /// Most earlier gradients that an observation may hold.
@@ -61,7 +65,7 @@ const MAX_OBSTACLES: usize = 4096;
 
 impl ObservationPart {
     /// The part's name: `gradient`, `obstacle-cost`, `previous-gradients:K`, `trajectory`, `obstacles:K`,
-    /// `nearest-obstacles:K`, `waypoint-obstacles:K`, `ends`, `image`.
+    /// `nearest-obstacles:K`, `waypoint-obstacles:K`, `ends`, `image`, `waypoint-image`.
     pub fn name(&self) -> String {
         match self {
             Self::Gradient => "gradient".into(),
@@ -73,6 +77,7 @@ impl ObservationPart {
             Self::WaypointObstacles { count } => format!("waypoint-obstacles:{count}"),
             Self::Ends => "ends".into(),
             Self::Image => "image".into(),
+            Self::WaypointImage => "waypoint-image".into(),
         }
     }
 
@@ -98,6 +103,7 @@ impl ObservationPart {
             ("trajectory", None) => Ok(Self::Trajectory),
             ("ends", None) => Ok(Self::Ends),
             ("image", None) => Ok(Self::Image),
+            ("waypoint-image", None) => Ok(Self::WaypointImage),
             ("previous-gradients", _) => {
                 Ok(Self::PreviousGradients { count: count(MAX_PREVIOUS)? })
             }
@@ -106,7 +112,7 @@ impl ObservationPart {
             ("waypoint-obstacles", _) => Ok(Self::WaypointObstacles { count: count(MAX_NEAR)? }),
             _ => Err(refuse(
                 "gradient, obstacle-cost, previous-gradients:K, trajectory, ends, obstacles:K, \
-                 nearest-obstacles:K, waypoint-obstacles:K or image"
+                 nearest-obstacles:K, waypoint-obstacles:K, image or waypoint-image"
                     .into(),
             )),
         }
@@ -121,7 +127,7 @@ impl ObservationPart {
             Self::Obstacles { count } | Self::NearestObstacles { count } => 4 * count,
             Self::WaypointObstacles { count } => 4 * count * waypoints,
             Self::Ends => 4,
-            Self::Image => IMAGE_SIDE * IMAGE_SIDE,
+            Self::Image | Self::WaypointImage => IMAGE_SIDE * IMAGE_SIDE,
         }
     }
 
@@ -129,12 +135,17 @@ impl ObservationPart {
     pub fn is_empty(&self) -> bool {
         false
     }
+
+    /// Whether it is an image, which convolutions read.
+    pub fn is_image(&self) -> bool {
+        matches!(self, Self::Image | Self::WaypointImage)
+    }
 }
 
 /// Checks that a list of parts makes an observation, and returns its length.
 ///
 /// # Errors
-/// If the list is empty or names a kind of part twice.
+/// If the list is empty, names a kind of part twice, has two images, or the waypoints are more than one of the parts holds.
 pub fn observation_len(parts: &[ObservationPart], waypoints: usize) -> Result<usize, InvalidInput> {
     if parts.is_empty() {
         return Err(InvalidInput::new("observation", "no part", "at least one part"));
@@ -146,13 +157,19 @@ pub fn observation_len(parts: &[ObservationPart], waypoints: usize) -> Result<us
         if parts[..i].iter().any(|other| same_kind(&other)) {
             return Err(InvalidInput::new("observation", part.name(), "each kind of part once"));
         }
+        if part.is_image() && parts[..i].iter().any(ObservationPart::is_image) {
+            return Err(InvalidInput::new("observation", part.name(), "one image"));
+        }
+        if *part == ObservationPart::WaypointImage {
+            waypoint_image::check(waypoints)?;
+        }
     }
     Ok(parts.iter().map(|part| part.len(waypoints)).sum())
 }
 
 /// Where the image begins in an observation of these parts, if there is one.
 pub fn image_place(parts: &[ObservationPart], waypoints: usize) -> Option<usize> {
-    let index = parts.iter().position(|part| *part == ObservationPart::Image)?;
+    let index = parts.iter().position(ObservationPart::is_image)?;
     Some(parts[..index].iter().map(|part| part.len(waypoints)).sum())
 }
 
@@ -166,8 +183,9 @@ pub struct Encoder {
     obstacles: Vec<f32>,
     nearest: Vec<f32>,
     boxes: Vec<boxes::Box>,
-    /// The workspace without a trajectory, for the image.
+    /// The workspace without a trajectory, for the images.
     workspace: Vec<f32>,
+    trail: image::Trail,
 }
 
 impl Encoder {
@@ -188,6 +206,7 @@ impl Encoder {
             nearest: vec![],
             boxes: vec![],
             workspace: vec![],
+            trail: image::Trail::default(),
         };
         for part in parts {
             match *part {
@@ -198,6 +217,9 @@ impl Encoder {
                     encoder.obstacles = obstacle_boxes(world, objective, count)?;
                 }
                 ObservationPart::Image => encoder.workspace = image::workspace(world),
+                ObservationPart::WaypointImage => {
+                    encoder.workspace = waypoint_image::depths(objective);
+                }
                 ObservationPart::NearestObstacles { count } => {
                     encoder.nearest = nearest_boxes(world, objective, count)?;
                 }
@@ -264,7 +286,12 @@ impl Encoder {
                 ObservationPart::NearestObstacles { .. } => part_out.copy_from_slice(&self.nearest),
                 ObservationPart::Image => {
                     part_out.copy_from_slice(&self.workspace);
-                    image::draw_trajectory(objective, x, part_out);
+                    self.trail.follow(objective, x);
+                    self.trail.draw(part_out);
+                }
+                ObservationPart::WaypointImage => {
+                    self.trail.follow(objective, x);
+                    waypoint_image::draw(&self.workspace, &self.trail, part_out);
                 }
                 ObservationPart::WaypointObstacles { count } => {
                     let points = x.as_chunks::<2>().0.iter();

@@ -43,7 +43,7 @@ impl From<Cnn> for Network {
 impl Network {
     /// Name of the architecture that reads an observation of these parts: `cnn` where there is an image, else `mlp`.
     pub fn architecture_for(parts: &[ObservationPart]) -> &'static str {
-        if parts.contains(&ObservationPart::Image) { "cnn" } else { "mlp" }
+        if parts.iter().any(ObservationPart::is_image) { "cnn" } else { "mlp" }
     }
 
     /// Sizes of the layers of a network that reads `parts` of so many waypoints, with these hidden layers.

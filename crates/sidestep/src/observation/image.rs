@@ -35,42 +35,65 @@ pub(super) fn workspace(world: &World) -> Vec<f32> {
     (0..IMAGE_SIDE * IMAGE_SIDE).map(|index| f32::from(u8::from(taken(index)))).collect()
 }
 
-/// Paints the trajectory from start over the waypoints `x [N x 2]` to the goal over `image`.
-pub(super) fn draw_trajectory(objective: &Objective, x: &[f32], image: &mut [f32]) {
-    let frame = objective.scene().frame();
-    let bounds = objective.scene().bounds();
-    let pixels = IMAGE_SIDE as f64 / bounds.extent();
-    let place = |p: [f32; 2]| {
-        let p = frame.to_task(p);
-        [0, 1].map(|axis| ((p[axis] - bounds.min[axis]) * pixels - 0.5) as f32)
-    };
-    let mut from = place(objective.start());
-    let points = x.as_chunks::<2>().0;
-    for (index, &to) in points.iter().chain([&objective.goal()]).enumerate() {
-        let to = place(to);
-        for step in 0..=BETWEEN {
-            let t = step as f32 / (BETWEEN + 1) as f32;
-            let progress = (index as f32 + t) / (points.len() + 1) as f32;
-            let brightness = (0.4 + 0.6 * progress) * if step == 0 { 1.0 } else { 0.5 };
-            let p = [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])];
-            dot(p, brightness, image);
-        }
-        from = to;
-    }
-    dot(from, 1.0, image);
+/// A trajectory as dots to paint, in pixels: (0, 0) is the middle of the first one.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Trail {
+    /// Place and brightness, from start to goal.
+    pub dots: Vec<([f32; 2], f32)>,
+    /// Places of the waypoints.
+    pub waypoints: Vec<[f32; 2]>,
 }
 
-/// Paints a point over the four pixels around it.
-fn dot(p: [f32; 2], brightness: f32, image: &mut [f32]) {
+impl Trail {
+    /// Follows the trajectory from start over the waypoints `x [N x 2]` to the goal.
+    pub fn follow(&mut self, objective: &Objective, x: &[f32]) {
+        let frame = objective.scene().frame();
+        let bounds = objective.scene().bounds();
+        let pixels = IMAGE_SIDE as f64 / bounds.extent();
+        let place = |p: [f32; 2]| {
+            let p = frame.to_task(p);
+            [0, 1].map(|axis| ((p[axis] - bounds.min[axis]) * pixels - 0.5) as f32)
+        };
+        self.dots.clear();
+        self.waypoints.clear();
+        let points = x.as_chunks::<2>().0;
+        self.waypoints.extend(points.iter().map(|p| place(*p)));
+        let mut from = place(objective.start());
+        let goal = place(objective.goal());
+        for (index, &to) in self.waypoints.iter().chain([&goal]).enumerate() {
+            for step in 0..=BETWEEN {
+                let t = step as f32 / (BETWEEN + 1) as f32;
+                let progress = (index as f32 + t) / (points.len() + 1) as f32;
+                let brightness = (0.4 + 0.6 * progress) * if step == 0 { 1.0 } else { 0.5 };
+                let p = [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])];
+                self.dots.push((p, brightness));
+            }
+            from = to;
+        }
+        self.dots.push((goal, 1.0));
+    }
+
+    /// Paints the dots over `image [IMAGE_SIDE x IMAGE_SIDE]`.
+    pub fn draw(&self, image: &mut [f32]) {
+        for &(p, brightness) in &self.dots {
+            paint(p, brightness, IMAGE_SIDE, image);
+        }
+    }
+}
+
+/// Paints a point over the four pixels around it, those that lie in the square of `side` pixels whose first is the first of
+/// `image`; rows are [`IMAGE_SIDE`] apart.
+pub(super) fn paint(p: [f32; 2], brightness: f32, side: usize, image: &mut [f32]) {
     let corner = p.map(f32::floor);
     let part = [p[0] - corner[0], p[1] - corner[1]];
+    let side = 0..side as i64;
     for (dy, wy) in [(0, 1.0 - part[1]), (1, part[1])] {
         for (dx, wx) in [(0, 1.0 - part[0]), (1, part[0])] {
-            let (column, row) = (corner[0] as i64 + dx, corner[1] as i64 + dy);
-            let side = 0..IMAGE_SIDE as i64;
-            if side.contains(&column) && side.contains(&row) {
+            let (column, row) =
+                ((corner[0] as i64).saturating_add(dx), (corner[1] as i64).saturating_add(dy));
+            let weight = wx * wy;
+            if side.contains(&column) && side.contains(&row) && weight.is_finite() {
                 let pixel = &mut image[row as usize * IMAGE_SIDE + column as usize];
-                let weight = wx * wy;
                 *pixel = *pixel * (1.0 - weight) - weight * brightness;
             }
         }
@@ -100,10 +123,11 @@ mod tests {
             let task =
                 Task::new("t", world.clone(), Robot::Point, [2.5, 6.5], [24.5, 6.5]).unwrap();
             let objective = Objective::new(&task, Arc::new(Scene::of(&task, &profile)), 1).unwrap();
-            let mut image = empty.clone();
+            let (mut image, mut trail) = (empty.clone(), Trail::default());
             let mut x = [0.0; 2];
             objective.straight_line(&mut x);
-            draw_trajectory(&objective, &x, &mut image);
+            trail.follow(&objective, &x);
+            trail.draw(&mut image);
             // Start, waypoint and goal lie on pixels' centres: columns 2, 13 and 24 of row 6.
             for (column, value) in [(2, -0.4), (13, -0.7), (24, -1.0)] {
                 let got = at(&image, column, 6);
@@ -111,7 +135,8 @@ mod tests {
             }
             assert!((at(&image, 2, 12) - 0.0).abs() < 1e-6 && at(&image, 15, 8) == 1.0);
             let mut moved = empty.clone();
-            draw_trajectory(&objective, &[x[0] + 0.01, x[1]], &mut moved);
+            trail.follow(&objective, &[x[0] + 0.01, x[1]]);
+            trail.draw(&mut moved);
             let change: f32 = image.iter().zip(&moved).map(|(a, b)| (a - b).abs()).sum();
             assert!(change > 0.0 && change < 1.5, "{change}");
         }
@@ -121,11 +146,11 @@ mod tests {
     fn nothing_is_painted_outside() {
         let mut image = vec![0.5; IMAGE_SIDE * IMAGE_SIDE];
         for p in [[-5.0, 3.0], [64.5, 3.0], [f32::NAN, 1.0], [1e30, -1e30]] {
-            dot(p, 1.0, &mut image);
+            paint(p, 1.0, IMAGE_SIDE, &mut image);
         }
         let painted = image.iter().filter(|value| **value != 0.5).count();
         assert!(painted <= 4, "{painted}");
-        dot([-0.5, -0.5], 1.0, &mut image);
+        paint([-0.5, -0.5], 1.0, IMAGE_SIDE, &mut image);
         assert!((image[0] - (0.5 * 0.75 - 0.25)).abs() < 0.5);
     }
 }
