@@ -194,34 +194,29 @@ impl WaypointView {
         let after = points.get(i + 1).copied().unwrap_or(axes.goal);
         let samples = &self.buffers.samples;
         let at = points[i];
-        let mut rest = row;
-        let mut put = |values: &[f32]| {
-            let (head, tail) = std::mem::take(&mut rest).split_at_mut(values.len());
-            head.copy_from_slice(values);
-            rest = tail;
-        };
+        let mut row = RowWriter(row);
         let offset = |from: [f32; 2], to: [f32; 2], factor: f32| {
             axes.back([factor * (to[0] - from[0]), factor * (to[1] - from[1])])
         };
-        put(&offset(axes.start, at, 1.0 / 3.2));
-        put(&offset(at, axes.goal, 1.0 / 3.2));
-        put(&offset(at, before, 2.0));
-        put(&offset(at, after, 2.0));
-        put(&self.previous[i].map(|u| 2.5 * u));
-        put(shared);
-        put(&[(i + 1) as f32 / (self.waypoints + 1) as f32]);
-        put(&[coarse(samples.distance[i]), fine(samples.distance[i])]);
-        put(&axes.back([samples.gradient_x[i], samples.gradient_y[i]]));
+        row.put(offset(axes.start, at, 1.0 / 3.2));
+        row.put(offset(at, axes.goal, 1.0 / 3.2));
+        row.put(offset(at, before, 2.0));
+        row.put(offset(at, after, 2.0));
+        row.put(self.previous[i].map(|u| 2.5 * u));
+        row.put(*shared);
+        row.put([(i + 1) as f32 / (self.waypoints + 1) as f32]);
+        row.put([coarse(samples.distance[i]), fine(samples.distance[i])]);
+        row.put(axes.back([samples.gradient_x[i], samples.gradient_y[i]]));
         for segment in [i, i + 1] {
             let (first, least) = (ON_SEGMENT * segment, self.waypoints + segment);
-            put(&[1, 3, 5].map(|k| coarse(self.buffers.segment[first + k])));
-            put(&[fine(samples.distance[least])]);
-            put(&axes.back([samples.gradient_x[least], samples.gradient_y[least]]));
-            put(&[(self.buffers.least[segment] + 1) as f32 / (ON_SEGMENT + 1) as f32]);
-            put(&[f32::from(u8::from(self.buffers.free[segment]))]);
+            row.put([1, 3, 5].map(|k| coarse(self.buffers.segment[first + k])));
+            row.put([fine(samples.distance[least])]);
+            row.put(axes.back([samples.gradient_x[least], samples.gradient_y[least]]));
+            row.put([(self.buffers.least[segment] + 1) as f32 / (ON_SEGMENT + 1) as f32]);
+            row.put([f32::from(u8::from(self.buffers.free[segment]))]);
         }
         let probes = self.offsets.len();
-        let (head, tail) = rest.split_at_mut(probes);
+        let (head, tail) = row.0.split_at_mut(probes);
         for (out, &distance) in head.iter_mut().zip(&self.buffers.probe[i * probes..]) {
             *out = coarse(distance);
         }
@@ -265,6 +260,19 @@ impl WaypointView {
     /// The direction from start to goal, or from goal to start: the first axis.
     pub fn along(&self) -> [f32; 2] {
         self.axes.along
+    }
+}
+
+/// What is left of a row to write.
+struct RowWriter<'a>(&'a mut [f32]);
+
+impl RowWriter<'_> {
+    /// Writes the next numbers. Their count is known, so that they are stored and not copied by a call.
+    #[inline(always)]
+    fn put<const N: usize>(&mut self, values: [f32; N]) {
+        let (head, tail) = std::mem::take(&mut self.0).split_at_mut(N);
+        head.copy_from_slice(&values);
+        self.0 = tail;
     }
 }
 

@@ -157,10 +157,13 @@ impl Field {
             f32::INFINITY,
             f32::INFINITY,
         ]);
-        for i in 0..x.len() {
-            let wall = (x[i] - min_x).min(max_x - x[i]).min(y[i] - min_y).min(max_y - y[i]);
-            let nearest = if wall < out[i] { wall } else { out[i] };
-            out[i] = nearest - self.radius;
+        let blocks = x.as_chunks::<LANES>().0.iter().zip(y.as_chunks::<LANES>().0);
+        for ((x, y), out) in blocks.zip(out.as_chunks_mut::<LANES>().0) {
+            for l in 0..LANES {
+                let wall = (x[l] - min_x).min(max_x - x[l]).min(y[l] - min_y).min(max_y - y[l]);
+                let nearest = if wall < out[l] { wall } else { out[l] };
+                out[l] = nearest - self.radius;
+            }
         }
     }
 }
@@ -180,19 +183,31 @@ fn merge_image(image: &ImageField, x: &[f32], y: &[f32], out: &mut Samples) {
 /// Keeps the nearer of what `out` holds and the walls. At a tie the shape's gradient stays.
 #[inline(always)]
 fn merge_walls([min_x, min_y, max_x, max_y]: [f32; 4], x: &[f32], y: &[f32], out: &mut Samples) {
-    for i in 0..x.len() {
-        let candidates = [
-            (x[i] - min_x, 1.0, 0.0),
-            (max_x - x[i], -1.0, 0.0),
-            (y[i] - min_y, 0.0, 1.0),
-            (max_y - y[i], 0.0, -1.0),
-        ];
-        for (distance, gradient_x, gradient_y) in candidates {
-            let nearer = distance < out.distance[i];
-            out.distance[i] = if nearer { distance } else { out.distance[i] };
-            out.gradient_x[i] = if nearer { gradient_x } else { out.gradient_x[i] };
-            out.gradient_y[i] = if nearer { gradient_y } else { out.gradient_y[i] };
+    for first in (0..x.len()).step_by(LANES) {
+        let range = first..first + LANES;
+        let [mut px, mut py, mut distance, mut gradient_x, mut gradient_y] = [[0.0; LANES]; 5];
+        px.copy_from_slice(&x[range.clone()]);
+        py.copy_from_slice(&y[range.clone()]);
+        distance.copy_from_slice(&out.distance[range.clone()]);
+        gradient_x.copy_from_slice(&out.gradient_x[range.clone()]);
+        gradient_y.copy_from_slice(&out.gradient_y[range.clone()]);
+        for l in 0..LANES {
+            let candidates = [
+                (px[l] - min_x, 1.0, 0.0),
+                (max_x - px[l], -1.0, 0.0),
+                (py[l] - min_y, 0.0, 1.0),
+                (max_y - py[l], 0.0, -1.0),
+            ];
+            for (wall, wall_x, wall_y) in candidates {
+                let nearer = wall < distance[l];
+                distance[l] = if nearer { wall } else { distance[l] };
+                gradient_x[l] = if nearer { wall_x } else { gradient_x[l] };
+                gradient_y[l] = if nearer { wall_y } else { gradient_y[l] };
+            }
         }
+        out.distance[range.clone()].copy_from_slice(&distance);
+        out.gradient_x[range.clone()].copy_from_slice(&gradient_x);
+        out.gradient_y[range].copy_from_slice(&gradient_y);
     }
 }
 

@@ -231,17 +231,19 @@ impl ShapeField {
 
     #[inline(always)]
     fn sample_block(&self, x: &[f32; LANES], y: &[f32; LANES]) -> Block {
-        let (mut square, mut offset_x, mut offset_y) = self.outside(x, y);
+        let (square, offset_x, offset_y) = self.outside(x, y);
+        let (mut distance, mut gradient_x, mut gradient_y) = (square, offset_x, offset_y);
+        for l in 0..LANES {
+            distance[l] = square[l].sqrt();
+            gradient_x[l] = offset_x[l] / distance[l];
+            gradient_y[l] = offset_y[l] / distance[l];
+        }
         for l in 0..LANES {
             if square[l] == 0.0 {
-                (square[l], offset_x[l], offset_y[l]) = self.inside(x[l], y[l]);
-            } else {
-                square[l] = square[l].sqrt();
-                offset_x[l] /= square[l];
-                offset_y[l] /= square[l];
+                (distance[l], gradient_x[l], gradient_y[l]) = self.inside(x[l], y[l]);
             }
         }
-        (square, offset_x, offset_y)
+        (distance, gradient_x, gradient_y)
     }
 
     /// Squared distance to the nearest shape (0 inside) and the offset from its nearest point.
@@ -249,19 +251,24 @@ impl ShapeField {
     fn outside(&self, x: &[f32; LANES], y: &[f32; LANES]) -> Block {
         let mut best = [f32::INFINITY; LANES];
         let (mut best_x, mut best_y) = ([0.0; LANES], [0.0; LANES]);
+        for &[min_x, min_y, max_x, max_y] in &self.rects {
+            let (known, known_x, known_y) = (best, best_x, best_y);
+            for l in 0..LANES {
+                let dx = x[l] - x[l].max(min_x).min(max_x);
+                let dy = y[l] - y[l].max(min_y).min(max_y);
+                let square = dx * dx + dy * dy;
+                let nearer = square < known[l];
+                best[l] = if nearer { square } else { known[l] };
+                best_x[l] = if nearer { dx } else { known_x[l] };
+                best_y[l] = if nearer { dy } else { known_y[l] };
+            }
+        }
         let mut keep = |l: usize, square: f32, offset_x: f32, offset_y: f32| {
             let nearer = square < best[l];
             best[l] = if nearer { square } else { best[l] };
             best_x[l] = if nearer { offset_x } else { best_x[l] };
             best_y[l] = if nearer { offset_y } else { best_y[l] };
         };
-        for &[min_x, min_y, max_x, max_y] in &self.rects {
-            for l in 0..LANES {
-                let dx = x[l] - x[l].max(min_x).min(max_x);
-                let dy = y[l] - y[l].max(min_y).min(max_y);
-                keep(l, dx * dx + dy * dy, dx, dy);
-            }
-        }
         for &[center_x, center_y, radius] in &self.circles {
             for l in 0..LANES {
                 let (dx, dy) = (x[l] - center_x, y[l] - center_y);

@@ -19,6 +19,7 @@ pub(crate) mod conv;
 pub(crate) mod dense;
 mod norm;
 mod product;
+pub(crate) mod shift;
 mod tanh;
 pub(crate) mod transpose;
 

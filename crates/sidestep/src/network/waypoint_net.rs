@@ -21,9 +21,8 @@ use super::MAX_PARAMETERS;
 use super::layer::Layer;
 use super::map_net::{self, MapScratch, MapShape};
 use crate::error::InvalidInput;
-use crate::kernels::Isa;
-use crate::kernels::LANES;
 use crate::kernels::dense::{Activation, padded};
+use crate::kernels::{Isa, LANES, dispatch};
 
 /// Numbers per waypoint that come out: an update in two directions.
 pub const OUTPUTS: usize = 2;
@@ -233,10 +232,10 @@ impl WaypointNet {
             let (before, after) = scratch.hidden.split_at_mut(block + 1);
             let (h, next) = (&before[block], &mut after[0]);
             let (neighbours, active) = (&mut scratch.neighbours[block], &mut scratch.active[block]);
-            gather(h, waypoints, width, dilation, neighbours);
+            gather(isa, h, waypoints, width, dilation, neighbours);
             self.layers[2 * block + 1].forward(isa, rows, neighbours, active);
             self.layers[2 * block + 2].forward(isa, rows, active, next);
-            next.iter_mut().zip(h).for_each(|(next, h)| *next += h);
+            add(isa, h, next);
         }
         let head = &self.layers[2 * blocks + 1];
         head.forward(isa, rows, &scratch.hidden[blocks], &mut scratch.output);
@@ -314,23 +313,51 @@ impl WaypointNet {
     }
 }
 
-/// Row i of `out [rows x 3 width]` becomes rows i - d, i and i + d of `h [rows x width]` within its trajectory.
-fn gather(h: &[f32], waypoints: usize, width: usize, dilation: usize, out: &mut [f32]) {
+dispatch! {
+    /// Row i of `out [rows x 3 width]` becomes rows i - d, i and i + d of `h [rows x width]` within its trajectory.
+    fn gather(h: &[f32], waypoints: usize, width: usize, dilation: usize, out: &mut [f32]) = gather_body;
+}
+
+#[inline(always)]
+fn gather_body<const ISA: u8>(
+    h: &[f32],
+    waypoints: usize,
+    width: usize,
+    dilation: usize,
+    out: &mut [f32],
+) {
     let trajectories = h.chunks_exact(waypoints * width);
     for (h, out) in trajectories.zip(out.chunks_exact_mut(3 * waypoints * width)) {
         for (i, out) in out.chunks_exact_mut(3 * width).enumerate() {
             let (before, rest) = out.split_at_mut(width);
             let (own, after) = rest.split_at_mut(width);
             match i.checked_sub(dilation) {
-                Some(j) => before.copy_from_slice(&h[j * width..][..width]),
+                Some(j) => copy(&h[j * width..][..width], before),
                 None => before.fill(0.0),
             }
-            own.copy_from_slice(&h[i * width..][..width]);
+            copy(&h[i * width..][..width], own);
             match h.get((i + dilation) * width..(i + dilation + 1) * width) {
-                Some(row) => after.copy_from_slice(row),
+                Some(row) => copy(row, after),
                 None => after.fill(0.0),
             }
         }
+    }
+}
+
+dispatch! {
+    fn add(h: &[f32], next: &mut [f32]) = add_body;
+}
+
+#[inline(always)]
+fn add_body<const ISA: u8>(h: &[f32], next: &mut [f32]) {
+    next.iter_mut().zip(h).for_each(|(next, h)| *next += h);
+}
+
+/// Copies a row of whole panels: a few registers, sooner done than a call that finds out how many.
+#[inline(always)]
+fn copy(from: &[f32], to: &mut [f32]) {
+    for (to, from) in to.as_chunks_mut::<LANES>().0.iter_mut().zip(from.as_chunks::<LANES>().0) {
+        *to = *from;
     }
 }
 

@@ -15,6 +15,7 @@ use super::ways::{WAYS, Ways};
 use std::sync::Arc;
 
 use crate::distance::{Field, LANES};
+use crate::kernels::{Isa, dispatch};
 use crate::network::{MAP_INPUTS, MapScratch, MapShape};
 use crate::objective::Objective;
 
@@ -144,14 +145,8 @@ impl TaskMap {
     }
 
     fn read_features(&self, p: [f32; 2], out: &mut [f32]) {
-        let features = self.scratch.features();
-        for (offset, out) in OFFSETS.iter().zip(out.chunks_exact_mut(self.channels)) {
-            out.fill(0.0);
-            for (cell, weight) in self.corners(p, *offset) {
-                let row = &features[cell * self.channels..][..self.channels];
-                out.iter_mut().zip(row).for_each(|(out, f)| *out += weight * f);
-            }
-        }
+        let corners = OFFSETS.map(|offset| self.corners(p, offset));
+        mix(Isa::detect(), self.scratch.features(), self.channels, &corners, out);
     }
 
     /// Writes the features that waypoints `x [N x 2]` read to their rows `[N x stride]` of a view of `row_len` numbers.
@@ -183,7 +178,7 @@ impl TaskMap {
     }
 
     /// The four cells around a place with their weights.
-    fn corners(&self, p: [f32; 2], offset: [f32; 2]) -> [(usize, f32); 4] {
+    fn corners(&self, p: [f32; 2], offset: [f32; 2]) -> Corners {
         let start = self.axes.start;
         let own = self.axes.back([p[0] - start[0], p[1] - start[1]]);
         let place = [0, 1].map(|a| (own[a] + offset[a] - self.first[a]) / self.cell);
@@ -191,8 +186,38 @@ impl TaskMap {
     }
 }
 
+dispatch! {
+    /// For each place the sum of its corners' rows of `features [.. x channels]` by their weights, `[PLACES x channels]`.
+    fn mix(features: &[f32], channels: usize, corners: &[Corners; PLACES], out: &mut [f32]) = mix_body;
+}
+
+#[inline(always)]
+fn mix_body<const ISA: u8>(
+    features: &[f32],
+    channels: usize,
+    corners: &[Corners; PLACES],
+    out: &mut [f32],
+) {
+    for (corners, out) in corners.iter().zip(out.chunks_exact_mut(channels)) {
+        let rows = corners.map(|(cell, weight)| (&features[cell * channels..][..channels], weight));
+        for (block, out) in out.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+            let mut sums = [0.0; LANES];
+            for (row, weight) in rows {
+                let row = &row[block * LANES..][..LANES];
+                for lane in 0..LANES {
+                    sums[lane] += weight * row[lane];
+                }
+            }
+            *out = sums;
+        }
+    }
+}
+
+/// Four nodes and their weights.
+type Corners = [(usize, f32); 4];
+
 /// The four nodes around a place in a square of `side` x `side` nodes with their weights.
-pub(super) fn bilinear(place: [f32; 2], side: usize) -> [(usize, f32); 4] {
+pub(super) fn bilinear(place: [f32; 2], side: usize) -> Corners {
     let place = place.map(|v| v.clamp(0.0, (side - 1) as f32));
     let base = place.map(|v| (v as usize).min(side - 2));
     let [u, v] = [place[0] - base[0] as f32, place[1] - base[1] as f32];

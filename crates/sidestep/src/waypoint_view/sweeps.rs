@@ -10,6 +10,7 @@
 //! Comp. 74, 2005), each a few additions and minima of whole rows; [`ROUNDS`] of them are enough but for long mazes, where
 //! distances come out too large.
 
+use crate::kernels::shift::moved;
 use crate::kernels::transpose::{SQUARE, transposed};
 use crate::kernels::{Isa, LANES, dispatch};
 
@@ -23,11 +24,13 @@ const ENDS: usize = 2;
 const FAR: f32 = 1e6;
 /// What a step deep in an obstacle costs, as a multiple of one in free space.
 const SLOWEST: f32 = 400.0;
-/// Points of a row with a border of [`FAR`].
-const STRIDE: usize = (SIDE + 2).next_multiple_of(SQUARE);
+/// Blocks of a row.
+const BLOCKS: usize = SIDE / LANES;
 
+/// Numbers of a row of points, in blocks that fill registers.
+type Row = [[f32; LANES]; BLOCKS];
 /// Numbers of the points by rows, `N` of them for each.
-type Rows<const N: usize> = [[[f32; STRIDE]; N]; STRIDE];
+type Rows<const N: usize> = [[Row; N]; SIDE];
 /// w.
 type Weights = Rows<1>;
 /// d of start and goal.
@@ -44,17 +47,17 @@ impl Sweeps {
     /// Distances for these signed distances `[SIDE x SIDE]` at points a `step` apart, from the points that `ends` (column, row) are
     /// nearest to.
     pub fn new(signed_distance: &[f32], step: f32, ends: [[f32; 2]; ENDS]) -> Self {
-        let mut weights = Box::new([[[FAR; STRIDE]]; STRIDE]);
-        for (line, [row]) in signed_distance.chunks_exact(SIDE).take(SIDE).zip(&mut weights[1..]) {
-            for (weight, distance) in row[1..].iter_mut().zip(line) {
+        let mut weights = Box::new([[[[FAR; LANES]; BLOCKS]; 1]; SIDE]);
+        for (line, [row]) in signed_distance.chunks_exact(SIDE).zip(weights.iter_mut()) {
+            for (weight, distance) in row.as_flattened_mut().iter_mut().zip(line) {
                 let depth = ((0.25 * step - distance) / (1.25 * step)).clamp(0.0, 1.0);
                 *weight = 1.0 + (SLOWEST - 1.0) * depth;
             }
         }
-        let mut distances = Box::new([[[FAR; STRIDE]; ENDS]; STRIDE]);
+        let mut distances = Box::new([[[[FAR; LANES]; BLOCKS]; ENDS]; SIDE]);
         for (end, place) in ends.into_iter().enumerate() {
             let [column, row] = place.map(|v| v.round().clamp(0.0, (SIDE - 1) as f32) as usize);
-            distances[row + 1][end][column + 1] = 0.0;
+            distances[row][end].as_flattened_mut()[column] = 0.0;
         }
         sweep(Isa::detect(), &weights, &mut distances);
         Self { weights, distances }
@@ -62,7 +65,7 @@ impl Sweeps {
 
     /// Distances from start and goal at the points of a row.
     pub fn row(&self, row: usize) -> [&[f32]; ENDS] {
-        self.distances[row + 1].each_ref().map(|line| &line[1..][..SIDE])
+        self.distances[row].each_ref().map(|line| line.as_flattened())
     }
 
     /// Distances from start and goal at a point.
@@ -72,7 +75,7 @@ impl Sweeps {
 
     /// The cost w of a step to a point.
     pub fn weight(&self, column: usize, row: usize) -> f32 {
-        self.weights[row + 1][0][column + 1]
+        self.weights[row][0].as_flattened()[column]
     }
 }
 
@@ -82,14 +85,14 @@ dispatch! {
 
 #[inline(always)]
 fn sweep_body<const ISA: u8>(weights: &Weights, distances: &mut Distances) {
-    let mut turned_weights = [[[0.0; STRIDE]; 1]; STRIDE];
-    let mut turned = [[[0.0; STRIDE]; ENDS]; STRIDE];
+    let mut turned_weights = [[[[0.0; LANES]; BLOCKS]; 1]; SIDE];
+    let mut turned = [[[[0.0; LANES]; BLOCKS]; ENDS]; SIDE];
     turn::<ISA, 1>(weights, &mut turned_weights);
     let mut before = f32::INFINITY;
     for _ in 0..ROUNDS {
-        down_and_up(weights, distances);
+        down_and_up::<ISA>(weights, distances);
         turn::<ISA, ENDS>(distances, &mut turned);
-        down_and_up(&turned_weights, &mut turned);
+        down_and_up::<ISA>(&turned_weights, &mut turned);
         turn::<ISA, ENDS>(&turned, distances);
         let after = total(distances);
         if after == before {
@@ -103,67 +106,63 @@ fn sweep_body<const ISA: u8>(weights: &Weights, distances: &mut Distances) {
 #[inline(always)]
 fn total(distances: &Distances) -> f32 {
     let mut sums = [0.0; LANES];
-    for row in &distances[1..=SIDE] {
-        for line in row {
-            for block in line[1..=SIDE].chunks_exact(LANES) {
-                for lane in 0..LANES {
-                    sums[lane] += block[lane];
-                }
-            }
+    for block in distances.as_flattened().as_flattened() {
+        for lane in 0..LANES {
+            sums[lane] += block[lane];
         }
     }
     sums.iter().sum()
 }
 
 #[inline(always)]
-fn down_and_up(weights: &Weights, distances: &mut Distances) {
-    for row in 2..=SIDE {
-        let (before, rest) = distances.split_at_mut(row);
-        relax(&weights[row][0], &before[row - 1], &mut rest[0]);
+fn down_and_up<const ISA: u8>(weights: &Weights, distances: &mut Distances) {
+    let mut beside = distances[0];
+    for (weights, row) in weights.iter().zip(distances.iter_mut()).skip(1) {
+        relax::<ISA>(&weights[0], &mut beside, row);
     }
-    for row in (1..SIDE).rev() {
-        let (rest, after) = distances.split_at_mut(row + 1);
-        relax(&weights[row][0], &after[0], &mut rest[row]);
+    for (weights, row) in weights.iter().zip(distances.iter_mut()).rev().skip(1) {
+        relax::<ISA>(&weights[0], &mut beside, row);
     }
 }
 
-/// Takes the ways from a row to the one beside it.
+/// Takes the ways from the row `beside` to `row`, which then is the row beside the next: from one row to the next the numbers stay
+/// in registers, as a shifted row that has just been stored would take long to load.
 #[inline(always)]
-fn relax(weights: &[f32; STRIDE], from: &[[f32; STRIDE]; ENDS], to: &mut [[f32; STRIDE]; ENDS]) {
-    for end in 0..ENDS {
-        for first in (1..=SIDE).step_by(LANES) {
-            let [mut left, mut middle, mut right, mut weight, mut own] = [[0.0; LANES]; 5];
-            left.copy_from_slice(&from[end][first - 1..first - 1 + LANES]);
-            middle.copy_from_slice(&from[end][first..first + LANES]);
-            right.copy_from_slice(&from[end][first + 1..first + 1 + LANES]);
-            weight.copy_from_slice(&weights[first..first + LANES]);
-            let to = &mut to[end][first..first + LANES];
-            own.copy_from_slice(to);
+fn relax<const ISA: u8>(weights: &Row, beside: &mut [Row; ENDS], row: &mut [Row; ENDS]) {
+    const EDGE: [f32; LANES] = [FAR; LANES];
+    for (from, to) in beside.iter_mut().zip(row) {
+        let mut own = *to;
+        for block in 0..BLOCKS {
+            let middle = &from[block];
+            let before = if block > 0 { &from[block - 1] } else { &EDGE };
+            let after = if block + 1 < BLOCKS { &from[block + 1] } else { &EDGE };
+            let [left, right] = moved::<ISA>(before, middle, after);
+            let (weights, known) = (&weights[block], own[block]);
             for lane in 0..LANES {
                 let near = if left[lane] < right[lane] { left[lane] } else { right[lane] };
-                let aslant = near + std::f32::consts::SQRT_2 * weight[lane];
-                let straight = middle[lane] + weight[lane];
+                let aslant = near + std::f32::consts::SQRT_2 * weights[lane];
+                let straight = middle[lane] + weights[lane];
                 let way = if aslant < straight { aslant } else { straight };
-                own[lane] = if way < own[lane] { way } else { own[lane] };
+                own[block][lane] = if way < known[lane] { way } else { known[lane] };
             }
-            // All of it: masked stores cannot be read back at once.
-            to.copy_from_slice(&own);
         }
+        *from = own;
+        *to = own;
     }
 }
 
-/// Exchanges rows and columns, border and all.
+/// Exchanges rows and columns.
 #[inline(always)]
 fn turn<const ISA: u8, const N: usize>(from: &Rows<N>, to: &mut Rows<N>) {
-    for i in (0..STRIDE).step_by(SQUARE) {
-        for j in (0..STRIDE).step_by(SQUARE) {
+    for i in (0..SIDE).step_by(SQUARE) {
+        for j in (0..SIDE).step_by(SQUARE) {
             for layer in 0..N {
                 let mut square = [[0.0; SQUARE]; SQUARE];
                 for (k, row) in square.iter_mut().enumerate() {
-                    row.copy_from_slice(&from[i + k][layer][j..j + SQUARE]);
+                    row.copy_from_slice(&from[i + k][layer].as_flattened()[j..j + SQUARE]);
                 }
                 for (k, row) in transposed::<ISA>(&square).iter().enumerate() {
-                    to[j + k][layer][i..i + SQUARE].copy_from_slice(row);
+                    to[j + k][layer].as_flattened_mut()[i..i + SQUARE].copy_from_slice(row);
                 }
             }
         }
