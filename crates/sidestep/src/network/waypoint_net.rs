@@ -208,6 +208,26 @@ impl WaypointNet {
         }
     }
 
+    /// Buffers for the forward pass of so many rows, so that the first one does not have to make them.
+    pub fn scratch(&self, rows: usize) -> WaypointScratch {
+        let mut scratch = WaypointScratch::default();
+        scratch.input(rows, self.input_stride());
+        self.size(&mut scratch, rows);
+        scratch
+    }
+
+    fn size(&self, scratch: &mut WaypointScratch, rows: usize) {
+        let (width, blocks) = (self.shape.width, self.shape.dilations.len());
+        let size = |buffers: &mut Vec<Vec<f32>>, count: usize, columns: usize| {
+            buffers.resize_with(count, Vec::new);
+            buffers.iter_mut().for_each(|buffer| buffer.resize(rows * columns, 0.0));
+        };
+        size(&mut scratch.hidden, blocks + 1, width);
+        size(&mut scratch.neighbours, blocks, 3 * width);
+        size(&mut scratch.active, blocks, width);
+        scratch.output.resize(rows * LANES, 0.0);
+    }
+
     /// Runs the network on the scratch's input rows, which are trajectories of `waypoints` rows each.
     ///
     /// # Panics
@@ -219,14 +239,7 @@ impl WaypointNet {
         let (width, blocks) = (self.shape.width, self.shape.dilations.len());
         scratch.rows = rows;
         scratch.waypoints = waypoints;
-        let size = |buffers: &mut Vec<Vec<f32>>, count: usize, columns: usize| {
-            buffers.resize_with(count, Vec::new);
-            buffers.iter_mut().for_each(|buffer| buffer.resize(rows * columns, 0.0));
-        };
-        size(&mut scratch.hidden, blocks + 1, width);
-        size(&mut scratch.neighbours, blocks, 3 * width);
-        size(&mut scratch.active, blocks, width);
-        scratch.output.resize(rows * LANES, 0.0);
+        self.size(scratch, rows);
         self.layers[0].forward(isa, rows, &scratch.input, &mut scratch.hidden[0]);
         for (block, &dilation) in self.shape.dilations.iter().enumerate() {
             let (before, after) = scratch.hidden.split_at_mut(block + 1);

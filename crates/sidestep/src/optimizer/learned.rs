@@ -123,11 +123,11 @@ impl Learned {
                     encoder,
                 }
             }
-            PolicyNetwork::Waypoint { view, .. } => Sight::Waypoints {
+            PolicyNetwork::Waypoint { view, network } => Sight::Waypoints {
                 sights: vec![Sighted::new(view, objective)],
                 at: 0,
                 age: 0,
-                scratch: WaypointScratch::default(),
+                scratch: network.scratch(objective.waypoints()),
             },
         };
         Ok(Self { policy, sight, rng })
