@@ -329,16 +329,18 @@ fn measure_body<const ISA: u8>(
         from = to;
     }
     field.probe(segment_x, segment_y, segment);
-    for (index, least) in least.iter_mut().enumerate() {
-        let first = ON_SEGMENT * index;
-        *least = 0;
-        for k in 1..ON_SEGMENT {
-            if segment[first + k] < segment[first + *least] {
-                *least = k;
-            }
+    let lines = segment.as_chunks::<ON_SEGMENT>().0.iter();
+    for (index, (least, distances)) in least.iter_mut().zip(lines).enumerate() {
+        // Without branches, which nothing could predict.
+        let (mut place, mut distance) = (0, distances[0]);
+        for (k, &other) in distances.iter().enumerate().skip(1) {
+            let nearer = other < distance;
+            distance = if nearer { other } else { distance };
+            place = std::hint::select_unpredictable(nearer, k, place);
         }
-        let at = points.len() + index;
-        (x[at], y[at]) = (segment_x[first + *least], segment_y[first + *least]);
+        *least = place;
+        let (at, first) = (points.len() + index, ON_SEGMENT * index);
+        (x[at], y[at]) = (segment_x[first + place], segment_y[first + place]);
     }
     let probes = offsets.len();
     for (i, p) in points.iter().enumerate() {

@@ -103,7 +103,8 @@ impl SegmentLanes {
                 index[l] = if nearer { block as u32 } else { index[l] };
             }
         }
-        let lane = (0..LANES).min_by(|&a, &b| best[a].total_cmp(&best[b]))?;
+        let least = best.iter().fold(f32::INFINITY, |a, &b| if b < a { b } else { a });
+        let lane = best.iter().position(|&square| square == least)?;
         best[lane].is_finite().then(|| index[lane] as usize * LANES + lane)
     }
 }
