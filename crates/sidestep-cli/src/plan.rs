@@ -1,6 +1,5 @@
 //! `sidestep plan`: one task, one certified plan or the reason why not.
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex};
@@ -11,7 +10,7 @@ use serde::Serialize;
 use sidestep::error::MAX_COORDINATE;
 use sidestep::geometry::Point;
 use sidestep::objective::{Objective, Scene};
-use sidestep::plan::{Plan, Status, Stop, plan_in};
+use sidestep::plan::{Plan, Status, Stop, Watch, plan_in};
 use sidestep::run::Iteration;
 use sidestep::{InvalidInput, Robot, Task, Trajectory};
 
@@ -148,6 +147,7 @@ pub struct Attempt {
     plan: Plan,
     time: Duration,
     trace: Vec<Step>,
+    deadline: Option<Instant>,
 }
 
 /// Plans the task with the planner of that name.
@@ -171,24 +171,29 @@ fn attempt(args: &PlanArgs, task: &Task, name: &str) -> Result<Attempt, Failure>
     let asked = with_margin(task, args.margin)?;
     let begin = Instant::now();
     let scene = Arc::new(Scene::of(&asked, &options.profile));
-    let watch = |iteration: &Iteration<'_>| {
+    let see = |iteration: &Iteration<'_>| {
         if args.trace
             && let Ok(mut steps) = trace.lock()
         {
             steps.push(step(&scene, &asked, iteration));
         }
-        match budget {
-            Some(budget) if begin.elapsed() >= budget => ControlFlow::Break(()),
-            _ => ControlFlow::Continue(()),
-        }
     };
-    let plan = plan_in(&scene, &asked, &planner, &options, &watch)?;
+    let go_on = || budget.is_none_or(|budget| begin.elapsed() < budget);
+    let watch = Watch { see: &see, go_on: &go_on };
+    let plan = plan_in(&scene, &asked, &planner, &options, watch)?;
     let time = begin.elapsed();
     // What is reported and drawn is the robot itself.
     let scene = if args.margin > 0.0 { Arc::new(Scene::of(task, &options.profile)) } else { scene };
     let mut trace = trace.into_inner().unwrap_or_default();
     trace.sort_by_key(|step| (step.start, step.iteration));
-    Ok(Attempt { planner: name.into(), scene, plan, time, trace })
+    Ok(Attempt {
+        planner: name.into(),
+        scene,
+        plan,
+        time,
+        trace,
+        deadline: budget.map(|budget| begin + budget),
+    })
 }
 
 /// The task for a robot that is larger by `margin`.
@@ -222,9 +227,10 @@ fn step(scene: &Arc<Scene>, task: &Task, iteration: &Iteration<'_>) -> Step {
 }
 
 fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> Answer {
-    let Attempt { planner, scene, plan, time, trace } = attempt;
+    let Attempt { planner, scene, plan, time, trace, deadline } = attempt;
     let solved = plan.status == Status::Solved;
-    let optimal = || scene.shortest_path().find(task.start, task.goal).length();
+    let go_on = || deadline.is_none_or(|deadline| Instant::now() < deadline);
+    let optimal = || scene.shortest_path().find_while(task.start, task.goal, &go_on).length();
     let path = plan.trajectory.as_ref();
     Answer {
         status: plan.status.name(),

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use sidestep::geometry::Rect;
 use sidestep::objective::{Objective, Scene};
 use sidestep::optimizer::{Method, Optimizer};
-use sidestep::plan::{Auto, Options, Planner, plan_batch, plan_in};
+use sidestep::plan::{Auto, Options, Planner, Watch, plan_batch, plan_in};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::run::{Until, run};
@@ -91,8 +91,7 @@ fn obstacles() -> Vec<Curve> {
             let options = Options { steps, ..Options::default() };
             let begin = Instant::now();
             let scene = Arc::new(Scene::of(&task, &options.profile));
-            let watch = |_: &sidestep::run::Iteration<'_>| ControlFlow::Continue(());
-            plan_in(&scene, &task, planner, &options, &watch).unwrap();
+            plan_in(&scene, &task, planner, &options, Watch::NONE).unwrap();
             1e6 * begin.elapsed().as_secs_f64()
         };
         median((0..20).map(once).collect())

@@ -3,7 +3,6 @@
 //! `cargo run --release -p sidestep-io --example replanning -- 200 > reports/replanning.json`
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example that measures")]
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -11,7 +10,7 @@ use rand::RngExt;
 use sidestep::geometry::Rect;
 use sidestep::objective::Scene;
 use sidestep::optimizer::Method;
-use sidestep::plan::{Auto, Options, Planner, Status, plan_in};
+use sidestep::plan::{Auto, Options, Planner, Status, Watch, plan_in};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::suite::Suite;
@@ -95,8 +94,7 @@ impl Row {
         let options = Options { steps: self.steps, warm_start, ..Options::default() };
         let begin = Instant::now();
         let scene = Arc::new(Scene::of(task, &options.profile));
-        let watch = |_: &sidestep::run::Iteration<'_>| ControlFlow::Continue(());
-        let plan = plan_in(&scene, task, &self.planner, &options, &watch).unwrap();
+        let plan = plan_in(&scene, task, &self.planner, &options, Watch::NONE).unwrap();
         let time = begin.elapsed().as_secs_f64();
         let solved = plan.status == Status::Solved;
         if counts {

@@ -216,8 +216,26 @@ impl std::fmt::Display for Origin {
     }
 }
 
-/// Sees every iterate of every start, from any thread, and may break planning off.
-pub type Watch<'a> = &'a (dyn Fn(&Iteration<'_>) -> ControlFlow<()> + Sync);
+/// Who watches a planner at work, from any thread.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
+    /// Sees every iterate of every start.
+    pub see: &'a (dyn Fn(&Iteration<'_>) + Sync),
+    /// Asked at every iterate and all along the exact search; once it is false, planning ends with the best certified plan so
+    /// far. What a world prepares once is not broken off, nor is the sampling planner.
+    pub go_on: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Watch<'_> {
+    /// Nobody.
+    pub const NONE: Watch<'static> = Watch { see: &|_| {}, go_on: &|| true };
+
+    /// Shows an iterate and asks whether to go on.
+    pub fn look(&self, iteration: &Iteration<'_>) -> ControlFlow<()> {
+        (self.see)(iteration);
+        if (self.go_on)() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    }
+}
 
 /// Plans one task.
 ///
@@ -225,7 +243,7 @@ pub type Watch<'a> = &'a (dyn Fn(&Iteration<'_>) -> ControlFlow<()> + Sync);
 /// If an option is out of range or a learned policy does not fit the task.
 pub fn plan(task: &Task, planner: &Planner, options: &Options) -> Result<Plan, InvalidInput> {
     let scene = Arc::new(Scene::of(task, &options.profile));
-    plan_in(&scene, task, planner, options, &|_| ControlFlow::Continue(()))
+    plan_in(&scene, task, planner, options, Watch::NONE)
 }
 
 /// Plans many tasks on all cores; task i draws from stream i. Results do not depend on the number
@@ -244,7 +262,7 @@ pub fn plan_batch(
             let scene = Arc::new(Scene::of(&neighbours[0], &options.profile));
             let plan_one = |(offset, task)| {
                 let options = Options { index: (first + offset) as u64, ..options.clone() };
-                plan_in(&scene, task, planner, &options, &|_| ControlFlow::Continue(()))
+                plan_in(&scene, task, planner, &options, Watch::NONE)
             };
             neighbours.par_iter().enumerate().map(plan_one).collect()
         })
@@ -280,23 +298,27 @@ pub fn plan_in(
         return Ok(Plan::invalid(violation));
     }
     match planner {
-        Planner::Optimizer(method) => {
-            Ok(or_proof(optimize(scene, task, method, options, watch)?, scene, task, options))
-        }
+        Planner::Optimizer(method) => Ok(or_proof(
+            optimize(scene, task, method, options, watch)?,
+            scene,
+            task,
+            options,
+            watch,
+        )),
         Planner::RrtConnect(rrt) => {
-            Ok(or_proof(tree(scene.certifier(), task, rrt, options), scene, task, options))
+            Ok(or_proof(tree(scene.certifier(), task, rrt, options), scene, task, options, watch))
         }
-        Planner::ShortestPath => Ok(shortest(scene, task)),
+        Planner::ShortestPath => Ok(shortest(scene, task, watch)),
         Planner::Auto(auto) => auto.plan(scene, task, options, watch),
     }
 }
 
 /// The plan; where it is not solved and the options ask for it, with the proof that there is none.
-fn or_proof(plan: Plan, scene: &Scene, task: &Task, options: &Options) -> Plan {
+fn or_proof(plan: Plan, scene: &Scene, task: &Task, options: &Options, watch: Watch<'_>) -> Plan {
     if plan.status == Status::Solved || !options.prove {
         return plan;
     }
-    match scene.shortest_path().find(task.start, task.goal) {
+    match scene.shortest_path().find_while(task.start, task.goal, watch.go_on) {
         Route::Unsolvable(proof) => Plan { status: Status::Unsolvable(proof), ..plan },
         _ => plan,
     }
@@ -379,7 +401,7 @@ fn attempt(
         Stop::Best => Until::Spent,
     };
     let run = run(objective, &mut optimizer, &mut x, options.steps, until, |iteration| {
-        watch(&Iteration { start, ..*iteration })
+        watch.look(&Iteration { start, ..*iteration })
     });
     Ok(Attempt { start, run, waypoints: x })
 }
@@ -425,8 +447,8 @@ fn resample(objective: &Objective, trajectory: &Trajectory, x: &mut [f32]) {
     polyline(&corners, x.as_chunks_mut::<2>().0);
 }
 
-fn shortest(scene: &Scene, task: &Task) -> Plan {
-    let route = scene.shortest_path().find(task.start, task.goal);
+fn shortest(scene: &Scene, task: &Task, watch: Watch<'_>) -> Plan {
+    let route = scene.shortest_path().find_while(task.start, task.goal, watch.go_on);
     let (status, trajectory) = match route {
         Route::Found { trajectory, .. } => (Status::Solved, Some(trajectory)),
         Route::Unsolvable(Proof::End(violation)) => (Status::Invalid(violation), None),

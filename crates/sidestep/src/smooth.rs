@@ -81,7 +81,7 @@ pub fn smooth(
         let steps = steps.min(MAX_STEPS);
         let Run { steps, best, .. } =
             run(&mut objective, &mut optimizer, &mut x, steps, Until::Spent, |iteration| {
-                let flow = watch(&Iteration { start, ..*iteration });
+                let flow = watch.look(&Iteration { start, ..*iteration });
                 broken_off = flow.is_break();
                 flow
             });
@@ -144,7 +144,6 @@ fn spread(path: &Trajectory, n: usize) -> impl Iterator<Item = [f64; 2]> {
 
 #[cfg(test)]
 mod tests {
-    use std::ops::ControlFlow;
 
     use super::*;
     use crate::geometry::Rect;
@@ -156,8 +155,7 @@ mod tests {
         let scene = Arc::new(Scene::of(task, profile));
         let route = scene.shortest_path().find(task.start, task.goal);
         let crate::Route::Found { trajectory, .. } = route else { panic!("{route:?}") };
-        let watch = |_: &Iteration<'_>| ControlFlow::Continue(());
-        let smooth = smooth(&scene, task, &trajectory, 1.2, MAX_STEPS, 0, &watch).unwrap();
+        let smooth = smooth(&scene, task, &trajectory, 1.2, MAX_STEPS, 0, Watch::NONE).unwrap();
         (trajectory, smooth, scene)
     }
 

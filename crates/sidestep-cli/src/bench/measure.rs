@@ -5,13 +5,12 @@
 //! ([`super::iterates`]); and the first tasks of each set once more on one thread, for times of plans and of
 //! iterations ([`super::timing`]).
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use sidestep::objective::Scene;
-use sidestep::plan::{Options, Plan, Planner, Status, by_world, plan_in};
+use sidestep::plan::{Options, Plan, Planner, Status, Watch, by_world, plan_in};
 use sidestep::{InvalidInput, Task, Trajectory};
 
 use super::iterates::every_iterate;
@@ -161,7 +160,7 @@ pub(super) fn plan_indexed(
     options: &Options,
 ) -> Result<Plan, InvalidInput> {
     let options = Options { index: index as u64, ..options.clone() };
-    plan_in(scene, task, planner, &options, &|_| ControlFlow::Continue(()))
+    plan_in(scene, task, planner, &options, Watch::NONE)
 }
 
 /// A figure of each certified plan whose optimal length is known and not 0.

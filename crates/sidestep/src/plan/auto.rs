@@ -8,7 +8,7 @@
 //! 4. The shortest path made smooth ([`crate::smooth`]).
 //! 5. The shortest path itself.
 //!
-//! So every task is answered that the exact search decides, and no plan is longer than
+//! So every task is answered that the exact search decides in the time that there is, and no plan is longer than
 //! [`LONGEST`] times the shortest. Where the search does not decide, the thorough optimizer from random starts follows.
 
 use std::sync::Arc;
@@ -90,7 +90,7 @@ impl Auto {
         if is_short(&optimized, straight_length) {
             return Ok(optimized);
         }
-        let exact = shortest(scene, task);
+        let exact = shortest(scene, task, watch);
         let Some(path) = exact.trajectory.as_ref().filter(|_| exact.status == Status::Solved)
         else {
             return match exact.status {
@@ -131,7 +131,7 @@ fn straight(certifier: &Certifier, task: &Task, waypoints: usize) -> Plan {
 mod tests {
     use super::*;
     use crate::optimizer::Method;
-    use crate::plan::{Planner, plan_batch};
+    use crate::plan::{Planner, plan_batch, plan_in};
     use crate::profile::Profile;
     use crate::queries::random_queries;
     use crate::robot::Robot;
@@ -169,9 +169,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn every_query_in_a_maze_is_answered() {
-        // Walls on every fourth row, with two doors each at pseudo-random columns.
+    /// Queries in a maze: walls on every fourth row, with two doors each at pseudo-random columns.
+    fn maze() -> Vec<Task> {
         let is_wall = |i: usize| {
             let (column, row) = (i % 60, i / 60);
             let door = |k: usize| (row * 37 + k * 23) % 56;
@@ -181,9 +180,36 @@ mod tests {
         let grid = Grid::new(60, 60, 0.5, [0.0; 2], cells).unwrap();
         let world = Arc::new(World::new(grid.rect(), Vec::new(), Some(grid)));
         let robot = Robot::disc(0.3).unwrap();
-        let tasks = random_queries("maze", &world, robot, 30, 1000).unwrap();
+        random_queries("maze", &world, robot, 30, 1000).unwrap()
+    }
+
+    #[test]
+    fn every_query_in_a_maze_is_answered() {
+        let tasks = maze();
         let plans = check(&tasks, Profile::DEFAULT);
         let raw = plans.iter().filter(|plan| plan.origin == Origin::ShortestPath).count();
         assert!(raw <= 1, "{raw}");
+    }
+
+    #[test]
+    fn a_spent_budget_ends_every_search() {
+        let (planner, options) = (Planner::Auto(Auto::default()), Options::default());
+        let watch = Watch { go_on: &|| false, ..Watch::NONE };
+        let (mut solved, mut late) = (0, 0);
+        for task in maze() {
+            let scene = Arc::new(Scene::of(&task, &options.profile));
+            let plan = plan_in(&scene, &task, &planner, &options, watch).unwrap();
+            match plan.status {
+                Status::Solved => solved += 1,
+                // From each start nothing but the start was looked at.
+                Status::Unsolved(reason) => {
+                    assert!(reason.to_string().contains("the time budget"), "{reason}");
+                    late += 1;
+                }
+                other => panic!("{other:?}"),
+            }
+        }
+        // Only straight lines are found in no time.
+        assert!(late > 20 && solved + late == 30, "{solved} {late}");
     }
 }

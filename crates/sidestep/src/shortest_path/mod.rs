@@ -25,7 +25,7 @@ pub use route::{Doubt, Proof, Route};
 use std::sync::{Arc, OnceLock};
 
 use layer::Layer;
-use search::{Ending, Workspace};
+use search::{Ending, Limits, Workspace};
 
 use crate::certificate::Certifier;
 use crate::geometry::{Point, distance};
@@ -75,6 +75,13 @@ impl ShortestPath {
     ///
     /// Repeated calls reuse their buffers; only the answer is allocated.
     pub fn find(&mut self, start: Point, goal: Point) -> Route {
+        self.find_while(start, goal, &|| true)
+    }
+
+    /// [`ShortestPath::find`] that is broken off ([`Doubt::BrokenOff`]) once `go_on` is false. It is asked every few microseconds, but
+    /// not while a finer approximation of arcs is prepared.
+    pub fn find_while(&mut self, start: Point, goal: Point, go_on: &dyn Fn() -> bool) -> Route {
+        let limits = Limits { checks: MOST_CHECKS, go_on };
         let certifier = &self.outside.certifier;
         if !(certifier.point_is_free(start) && certifier.point_is_free(goal)) {
             let ends = Trajectory::from_points(&[start, goal]);
@@ -95,28 +102,34 @@ impl ShortestPath {
         }
         let workspace = &mut self.workspace;
         let outer = if self.is_exact {
-            search(workspace, &self.outside, start, goal)
+            search(workspace, &self.outside, start, goal, limits)
         } else {
-            workspace.search(&self.outside, start, goal, true, MOST_CHECKS)
+            workspace.search(&self.outside, start, goal, true, limits)
         };
         let trajectory = || Trajectory::from_points(&workspace.path(&self.outside, start, goal));
         match outer {
             Ending::OutOfWork => Route::Undecided(Doubt::OutOfWork { checks: MOST_CHECKS }),
+            Ending::BrokenOff => Route::Undecided(Doubt::BrokenOff),
             Ending::Exhausted if self.is_exact => Route::Unsolvable(Proof::Disconnected),
             Ending::Found(length) if self.is_exact => {
                 Route::Found { trajectory: trajectory(), length, lower_bound: length }
             }
             Ending::Found(length) => {
                 let found = (trajectory(), length);
-                self.bound(start, goal, Some(found))
+                self.bound([start, goal], Some(found), limits)
             }
-            Ending::Exhausted => self.bound(start, goal, None),
+            Ending::Exhausted => self.bound([start, goal], None, limits),
         }
     }
 
     /// Bounds a path from below, or decides whether there is one, by the approximation from inside; both
     /// become finer until they agree.
-    fn bound(&mut self, start: Point, goal: Point, found: Option<(Trajectory, f64)>) -> Route {
+    fn bound(
+        &mut self,
+        [start, goal]: [Point; 2],
+        found: Option<(Trajectory, f64)>,
+        limits: Limits<'_>,
+    ) -> Route {
         let workspace = &mut self.workspace;
         let (mut arcs, mut found) = (ARCS, found);
         let mut lower_bound = distance(start, goal);
@@ -128,7 +141,7 @@ impl ShortestPath {
                 fresh = Layer::inside(&self.outside.certifier, arcs);
                 &fresh
             };
-            let inner = search(workspace, inside, start, goal);
+            let inner = search(workspace, inside, start, goal, limits);
             if let Ending::Found(bound) = inner {
                 lower_bound = lower_bound.max(bound);
             }
@@ -145,6 +158,7 @@ impl ShortestPath {
                 (None, Ending::OutOfWork) => {
                     return Route::Undecided(Doubt::OutOfWork { checks: MOST_CHECKS });
                 }
+                (None, Ending::BrokenOff) => return Route::Undecided(Doubt::BrokenOff),
                 (None, Ending::Found(_)) if arcs == MOST_ARCS => {
                     return Route::Undecided(Doubt::NarrowPassage { lower_bound });
                 }
@@ -154,7 +168,7 @@ impl ShortestPath {
             if found.is_none()
                 && arcs == ARCS
                 && let Ending::Found(length) =
-                    workspace.search(&self.outside, start, goal, false, MOST_CHECKS)
+                    workspace.search(&self.outside, start, goal, false, limits)
             {
                 let points = workspace.path(&self.outside, start, goal);
                 found = Some((Trajectory::from_points(&points), length));
@@ -162,7 +176,7 @@ impl ShortestPath {
             }
             arcs *= 2;
             let outside = Layer::outside(self.outside.certifier.clone(), arcs);
-            let outer = workspace.search(&outside, start, goal, true, MOST_CHECKS);
+            let outer = workspace.search(&outside, start, goal, true, limits);
             if let Ending::Found(length) = outer
                 && found.as_ref().is_none_or(|known| length < known.1)
             {
@@ -175,9 +189,15 @@ impl ShortestPath {
 
 /// A search whose failure is a proof: with the rules about turning, and where that fails once more
 /// without them.
-fn search(workspace: &mut Workspace, layer: &Layer, start: Point, goal: Point) -> Ending {
-    match workspace.search(layer, start, goal, true, MOST_CHECKS) {
-        Ending::Exhausted => workspace.search(layer, start, goal, false, MOST_CHECKS),
+fn search(
+    workspace: &mut Workspace,
+    layer: &Layer,
+    start: Point,
+    goal: Point,
+    limits: Limits<'_>,
+) -> Ending {
+    match workspace.search(layer, start, goal, true, limits) {
+        Ending::Exhausted => workspace.search(layer, start, goal, false, limits),
         ending => ending,
     }
 }

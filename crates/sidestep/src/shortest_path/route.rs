@@ -52,6 +52,9 @@ pub enum Doubt {
         /// How many were allowed.
         checks: usize,
     },
+    /// The caller broke the search off.
+    #[error("the time budget is spent and the exact search not through")]
+    BrokenOff,
     /// Whether the robot fits a passage depends on arcs finer than were tried.
     #[error("a passage is as narrow as the robot to within the approximation of arcs")]
     NarrowPassage {

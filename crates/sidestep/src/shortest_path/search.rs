@@ -20,6 +20,18 @@ use crate::geometry::{Point, cross, distance, norm, scale, sub};
 /// Most edges waiting, for the sake of memory (24 bytes each).
 const MOST_QUEUED: usize = 1 << 24;
 
+/// Edge checks from one question whether to go on to the next.
+const CHECKS_A_QUESTION: usize = 16;
+
+/// What one search may cost.
+#[derive(Clone, Copy)]
+pub(crate) struct Limits<'a> {
+    /// Most edges that are checked.
+    pub checks: usize,
+    /// Whether to go on.
+    pub go_on: &'a dyn Fn() -> bool,
+}
+
 /// How a search ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Ending {
@@ -29,6 +41,8 @@ pub(crate) enum Ending {
     Exhausted,
     /// The limit of edge checks was reached.
     OutOfWork,
+    /// The caller broke it off.
+    BrokenOff,
 }
 
 /// An edge in the queue, smallest estimate first.
@@ -143,7 +157,7 @@ impl Workspace {
         start: Point,
         goal: Point,
         pruned: bool,
-        most_checks: usize,
+        limits: Limits<'_>,
     ) -> Ending {
         let n = layer.corners.len();
         let (start_node, goal_node) = (n, n + 1);
@@ -172,8 +186,11 @@ impl Workspace {
                 if edge.cost >= self.cost[to] {
                     continue;
                 }
-                if self.checks == most_checks || self.queue.len() > MOST_QUEUED {
+                if self.checks == limits.checks || self.queue.len() > MOST_QUEUED {
                     return Ending::OutOfWork;
+                }
+                if self.checks.is_multiple_of(CHECKS_A_QUESTION) && !(limits.go_on)() {
+                    return Ending::BrokenOff;
                 }
                 self.checks += 1;
                 let (a, b) = (position(edge.from as usize), position(to));

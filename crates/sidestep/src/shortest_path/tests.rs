@@ -343,3 +343,15 @@ fn narrow_passages_are_refined() {
     check(2.51, "unsolvable");
     check(2.6, "unsolvable");
 }
+
+#[test]
+fn a_search_can_be_broken_off() {
+    let bars = vec![rect(20.0, 0.0, 22.0, 60.0), rect(40.0, 4.0, 42.0, 64.0)];
+    let mut query = ShortestPath::new(&world(bars), Robot::disc(0.5).unwrap());
+    let (start, goal) = ([4.0, 32.0], [60.0, 32.0]);
+    let broken_off = Route::Undecided(Doubt::BrokenOff);
+    assert_eq!(query.find_while(start, goal, &|| false), broken_off);
+    // A straight line needs no search.
+    assert!(query.find_while(start, [5.0, 32.0], &|| false).length().is_some());
+    assert!(query.find(start, goal).length().is_some());
+}
