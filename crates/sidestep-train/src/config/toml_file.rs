@@ -159,6 +159,7 @@ mod tests {
         check("[validation]\nsuite = \"eazy\"", "validation.suite: eazy");
         check("[cloning]\nstarts = \"lnie\"", "cloning.starts: lnie");
         check("observation = [\"image\", \"image\"]", "each kind of part once");
+        check("observation = [\"image\", \"waypoint-image\"]", "one image");
         check("[dagger]\nexpert = \"shortest\"", "unknown variant `shortest`");
         check(
             "[dagger]\nbeta = 1.5",
