@@ -181,8 +181,9 @@ impl TaskMap {
     fn corners(&self, p: [f32; 2], offset: [f32; 2]) -> Corners {
         let start = self.axes.start;
         let own = self.axes.back([p[0] - start[0], p[1] - start[1]]);
-        let place = [0, 1].map(|a| (own[a] + offset[a] - self.first[a]) / self.cell);
-        bilinear(place, self.cells)
+        let column = (own[0] + offset[0] - self.first[0]) / self.cell;
+        let row = (own[1] + offset[1] - self.first[1]) / self.cell;
+        bilinear([column, row], self.cells)
     }
 }
 
@@ -217,11 +218,13 @@ fn mix_body<const ISA: u8>(
 type Corners = [(usize, f32); 4];
 
 /// The four nodes around a place in a square of `side` x `side` nodes with their weights.
+#[inline]
 pub(super) fn bilinear(place: [f32; 2], side: usize) -> Corners {
-    let place = place.map(|v| v.clamp(0.0, (side - 1) as f32));
-    let base = place.map(|v| (v as usize).min(side - 2));
-    let [u, v] = [place[0] - base[0] as f32, place[1] - base[1] as f32];
-    let node = base[1] * side + base[0];
+    let last = (side - 1) as f32;
+    let (x, y) = (place[0].clamp(0.0, last), place[1].clamp(0.0, last));
+    let (column, row) = ((x as usize).min(side - 2), (y as usize).min(side - 2));
+    let (u, v) = (x - column as f32, y - row as f32);
+    let node = row * side + column;
     [
         (node, (1.0 - u) * (1.0 - v)),
         (node + 1, u * (1.0 - v)),

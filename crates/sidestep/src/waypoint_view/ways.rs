@@ -88,7 +88,7 @@ impl Ways {
 
     /// Detour and place along at `p`, the latter from goal to start where it is read backwards; bilinear between the points.
     pub fn read(&self, p: [f32; 2], backwards: bool) -> [f32; WAYS] {
-        let place = [0, 1].map(|a| (p[a] - self.first[a]) / self.step);
+        let place = [(p[0] - self.first[0]) / self.step, (p[1] - self.first[1]) / self.step];
         let mut out = [0.0; WAYS];
         for (point, weight) in bilinear(place, SIDE) {
             out.iter_mut().zip(self.values[point]).for_each(|(out, way)| *out += weight * way);
