@@ -9,13 +9,16 @@ mod convolution;
 mod layer;
 mod map_net;
 mod mlp;
+mod neighbours;
 mod waypoint_net;
+mod waypoint_shape;
 
 pub use cnn::{Cnn, FEATURES, Part};
 pub(crate) use map_net::MAP_INPUTS;
 pub use map_net::{MapScratch, MapShape};
 pub use mlp::{MAX_PARAMETERS, Mlp, Scratch};
-pub use waypoint_net::{OUTPUTS, WaypointNet, WaypointScratch, WaypointShape};
+pub use waypoint_net::{WaypointNet, WaypointScratch};
+pub use waypoint_shape::{OUTPUTS, WaypointShape};
 
 use crate::observation::{ObservationPart, image_place};
 

@@ -15,74 +15,13 @@
 
 use std::ops::Range;
 
-use serde::{Deserialize, Serialize};
-
-use super::MAX_PARAMETERS;
 use super::layer::Layer;
-use super::map_net::{self, MapScratch, MapShape};
+use super::map_net::{self, MapScratch};
+use super::neighbours::{add, gather, scatter};
+use super::waypoint_shape::{OUTPUTS, WaypointShape};
 use crate::error::InvalidInput;
 use crate::kernels::dense::{Activation, padded};
-use crate::kernels::{Isa, LANES, dispatch};
-
-/// Numbers per waypoint that come out: an update in two directions.
-pub const OUTPUTS: usize = 2;
-
-/// Sizes of a waypoint network.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WaypointShape {
-    /// Numbers per waypoint that go in.
-    pub inputs: usize,
-    /// Hidden units per waypoint, a multiple of 16.
-    pub width: usize,
-    /// One residual block each, with its convolution's dilation.
-    pub dilations: Vec<usize>,
-    /// The map of the task that the last inputs were read from, if any.
-    pub map: Option<MapShape>,
-}
-
-impl WaypointShape {
-    /// Number of parameters.
-    ///
-    /// # Errors
-    /// If the width is no multiple of 16, a size is 0 or too large, or there would be more than [`MAX_PARAMETERS`].
-    pub fn parameter_count(&self) -> Result<usize, InvalidInput> {
-        let refuse = |field: &str, value: usize, allowed: String| {
-            Err(InvalidInput::new(format!("network.{field}"), value, allowed))
-        };
-        if !(1..=4096).contains(&self.inputs) {
-            return refuse("inputs", self.inputs, "a number from 1 to 4096".into());
-        }
-        if !(LANES..=1024).contains(&self.width) || !self.width.is_multiple_of(LANES) {
-            return refuse("width", self.width, format!("a multiple of {LANES} up to 1024"));
-        }
-        if self.dilations.len() > 64 {
-            return refuse("dilations", self.dilations.len(), "up to 64 blocks".into());
-        }
-        if let Some(map) = self.map.as_ref().filter(|map| !map.is_allowed()) {
-            let (found, allowed) = (format!("{map:?}"), MapShape::ALLOWED);
-            return Err(InvalidInput::new("network.map", found, allowed));
-        }
-        if let Some(&dilation) = self.dilations.iter().find(|d| !(1..=1024).contains(*d)) {
-            return refuse("dilations", dilation, "numbers from 1 to 1024".into());
-        }
-        let count = self.layer_sizes().iter().map(|(i, o)| (i + 1) * o).sum();
-        if count > MAX_PARAMETERS {
-            return refuse("width", self.width, format!("at most {MAX_PARAMETERS} parameters"));
-        }
-        Ok(count)
-    }
-
-    /// `(inputs, outputs)` of each layer, in the order of the parameters: first, then convolution and outward layer of
-    /// each block, the head, and the map's.
-    pub fn layer_sizes(&self) -> Vec<(usize, usize)> {
-        let block = [(3 * self.width, self.width), (self.width, self.width)];
-        let blocks = self.dilations.iter().flat_map(|_| block);
-        let first = std::iter::once((self.inputs, self.width));
-        let map = self.map.iter().flat_map(MapShape::layer_sizes);
-        first.chain(blocks).chain([(self.width, OUTPUTS)]).chain(map).collect()
-    }
-}
+use crate::kernels::{Isa, LANES};
 
 /// A waypoint network with its parameters and their packed copies for the kernels.
 #[derive(Debug, Clone)]
@@ -323,74 +262,6 @@ impl WaypointNet {
 
     fn map_layers(&self) -> &[Layer] {
         &self.layers[2 * self.shape.dilations.len() + 2..]
-    }
-}
-
-dispatch! {
-    /// Row i of `out [rows x 3 width]` becomes rows i - d, i and i + d of `h [rows x width]` within its trajectory.
-    fn gather(h: &[f32], waypoints: usize, width: usize, dilation: usize, out: &mut [f32]) = gather_body;
-}
-
-#[inline(always)]
-fn gather_body<const ISA: u8>(
-    h: &[f32],
-    waypoints: usize,
-    width: usize,
-    dilation: usize,
-    out: &mut [f32],
-) {
-    let trajectories = h.chunks_exact(waypoints * width);
-    for (h, out) in trajectories.zip(out.chunks_exact_mut(3 * waypoints * width)) {
-        for (i, out) in out.chunks_exact_mut(3 * width).enumerate() {
-            let (before, rest) = out.split_at_mut(width);
-            let (own, after) = rest.split_at_mut(width);
-            match i.checked_sub(dilation) {
-                Some(j) => copy(&h[j * width..][..width], before),
-                None => before.fill(0.0),
-            }
-            copy(&h[i * width..][..width], own);
-            match h.get((i + dilation) * width..(i + dilation + 1) * width) {
-                Some(row) => copy(row, after),
-                None => after.fill(0.0),
-            }
-        }
-    }
-}
-
-dispatch! {
-    fn add(h: &[f32], next: &mut [f32]) = add_body;
-}
-
-#[inline(always)]
-fn add_body<const ISA: u8>(h: &[f32], next: &mut [f32]) {
-    next.iter_mut().zip(h).for_each(|(next, h)| *next += h);
-}
-
-/// Copies a row of whole panels: a few registers, sooner done than a call that finds out how many.
-#[inline(always)]
-fn copy(from: &[f32], to: &mut [f32]) {
-    for (to, from) in to.as_chunks_mut::<LANES>().0.iter_mut().zip(from.as_chunks::<LANES>().0) {
-        *to = *from;
-    }
-}
-
-/// Adds what flows back through [`gather`] to `d_h [rows x width]`.
-fn scatter(d_out: &[f32], waypoints: usize, width: usize, dilation: usize, d_h: &mut [f32]) {
-    let trajectories = d_h.chunks_exact_mut(waypoints * width);
-    for (d_h, d_out) in trajectories.zip(d_out.chunks_exact(3 * waypoints * width)) {
-        for (i, d) in d_out.chunks_exact(3 * width).enumerate() {
-            let mut add = |row: usize, d: &[f32]| {
-                let row = &mut d_h[row * width..][..width];
-                row.iter_mut().zip(d).for_each(|(sum, d)| *sum += d);
-            };
-            if let Some(j) = i.checked_sub(dilation) {
-                add(j, &d[..width]);
-            }
-            add(i, &d[width..2 * width]);
-            if i + dilation < waypoints {
-                add(i + dilation, &d[2 * width..]);
-            }
-        }
     }
 }
 

@@ -1,0 +1,124 @@
+//! The answer to a planning question.
+
+use crate::certificate::Violation;
+use crate::shortest_path::{Doubt, Proof};
+use crate::trajectory::Trajectory;
+
+/// How a planning question was answered.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Status {
+    /// The trajectory is certified free of collision.
+    Solved,
+    /// No certified plan was found, which proves nothing.
+    Unsolved(Reason),
+    /// It is proved that there is no path.
+    Unsolvable(Proof),
+    /// The start or the goal itself is not free.
+    Invalid(Violation),
+}
+
+impl Status {
+    /// `solved`, `unsolved`, `unsolvable` or `invalid`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::Unsolved(_) => "unsolved",
+            Self::Unsolvable(_) => "unsolvable",
+            Self::Invalid(_) => "invalid",
+        }
+    }
+
+    /// Why it is not solved, in words; empty where it is.
+    pub fn reason(&self) -> String {
+        match self {
+            Self::Solved => String::new(),
+            Self::Unsolved(reason) => reason.to_string(),
+            Self::Unsolvable(proof) => proof.to_string(),
+            Self::Invalid(violation) => violation.to_string(),
+        }
+    }
+}
+
+/// Why no certified plan was found.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Reason {
+    /// The optimizer spent its steps on a trajectory that still collides.
+    #[error("{steps} steps from {starts} start(s) spent; {violation}")]
+    StepsSpent {
+        /// Steps of the last attempt.
+        steps: usize,
+        /// Start trajectories tried.
+        starts: usize,
+        /// What is wrong with the straight-line start's last iterate.
+        violation: Violation,
+    },
+    /// The caller broke off.
+    #[error("the time budget is spent after {steps} steps; {violation}")]
+    BrokenOff {
+        /// Steps made.
+        steps: usize,
+        /// What is wrong with the last iterate.
+        violation: Violation,
+    },
+    /// The sampling planner spent its samples.
+    #[error("{samples} samples spent without joining start and goal")]
+    SamplesSpent {
+        /// Samples drawn.
+        samples: usize,
+    },
+    /// The exact search could not decide.
+    #[error("undecided: {0}")]
+    Undecided(Doubt),
+}
+
+/// The answer to a planning question.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Whether there is a certified trajectory, and if not, why.
+    pub status: Status,
+    /// The certified trajectory; where not solved, the last attempt of an optimizer.
+    pub trajectory: Option<Trajectory>,
+    /// Optimizer steps to the plan, from the start that it came from.
+    pub steps: usize,
+    /// What made the plan.
+    pub origin: Origin,
+}
+
+impl Plan {
+    /// The answer to a task whose start or goal is not free.
+    pub(super) fn invalid(violation: Violation) -> Self {
+        Self {
+            status: Status::Invalid(violation),
+            trajectory: None,
+            steps: 0,
+            origin: Origin::FirstStart,
+        }
+    }
+}
+
+/// Where a plan comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// An optimizer from the straight line or the given warm start.
+    FirstStart,
+    /// An optimizer from a random start of this number, from 1.
+    RandomStart(usize),
+    /// The exact shortest path, made smooth.
+    SmoothShortestPath,
+    /// The exact shortest path itself.
+    ShortestPath,
+    /// A tree of random samples.
+    Tree,
+}
+
+impl std::fmt::Display for Origin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::FirstStart => f.write_str("optimized from the first start"),
+            Self::RandomStart(start) => write!(f, "optimized from random start {start}"),
+            Self::SmoothShortestPath => f.write_str("smoothed from the shortest path"),
+            Self::ShortestPath => f.write_str("the shortest path"),
+            Self::Tree => f.write_str("a random tree"),
+        }
+    }
+}
