@@ -80,9 +80,6 @@ pub struct EnvironmentConfig {
     pub mu: f32,
     /// Added to that reward; 0 in the paper. It makes success matter more than U.
     pub feasible_bonus: f32,
-    /// Factor on every reward. The values that the value network learns should be of size 1: with an image, whose convolutions
-    /// policy and values share, larger ones leave nothing for the policy to learn from.
-    pub reward_scale: f32,
     /// Normalised units per unit of the network's output.
     pub action_scale: f32,
     /// Largest update of a coordinate, in normalised units (1 is 10 px of the paper's field).
@@ -146,7 +143,6 @@ impl Default for EnvironmentConfig {
         Self {
             mu: 0.1,
             feasible_bonus: 0.0,
-            reward_scale: 1.0,
             action_scale: 1.0,
             action_limit: 1.0,
             keep_inside: true,

@@ -62,8 +62,6 @@ pub struct Rules {
     pub mu: f32,
     /// Added to the reward of a feasible step.
     pub feasible_bonus: f32,
-    /// Factor on every reward.
-    pub reward_scale: f32,
     /// Steps after which an episode is cut off; `None` for never.
     pub episode_limit: Option<u32>,
 }
@@ -178,7 +176,6 @@ impl Environment {
         let solved = self.problem.objective.is_feasible(&self.x);
         let reward =
             if solved { rules.feasible_bonus - rules.mu * cost.total } else { -cost.total };
-        let reward = rules.reward_scale * reward;
         let truncated = !solved && rules.episode_limit.is_some_and(|limit| self.age >= limit);
         Outcome { reward, solved, truncated, age: self.age }
     }
@@ -230,13 +227,8 @@ mod tests {
     use super::*;
     use sidestep::suite::Suite;
 
-    const RULES: Rules = Rules {
-        action: ActionRule::PAPER,
-        mu: 0.1,
-        feasible_bonus: 0.0,
-        reward_scale: 1.0,
-        episode_limit: None,
-    };
+    const RULES: Rules =
+        Rules { action: ActionRule::PAPER, mu: 0.1, feasible_bonus: 0.0, episode_limit: None };
 
     fn problems(suite: Suite, count: usize) -> Vec<Problem> {
         let tasks = suite.generate(count, 1000, &Profile::PAPER);
@@ -270,16 +262,6 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn rewards_are_scaled() {
-        let problems = problems(Suite::HardTraining, 1);
-        let [one, tenth] = [1.0, 0.1].map(|reward_scale| {
-            let rules = Rules { reward_scale, ..RULES };
-            Environment::new(0, &problems, 1).step(&[0.1; 20], &rules).reward
-        });
-        assert!(one < 0.0 && (tenth - 0.1 * one).abs() < 1e-6, "{one} {tenth}");
     }
 
     #[test]

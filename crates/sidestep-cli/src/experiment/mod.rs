@@ -19,7 +19,7 @@ use sidestep::policy::{Policy, PolicyCard};
 use sidestep::profile::Profile;
 use sidestep::starts::StartStrategy;
 use sidestep::suite::Suite;
-use sidestep_train::{TrainConfig, Trainer};
+use sidestep_train::Trainer;
 
 use crate::Global;
 use crate::bench::iterates::{EveryIterate, every_iterate, race};
@@ -126,9 +126,8 @@ fn train_one(
     let seconds_path = path.with_extension("seconds");
     if path.exists() {
         let policy = load_policy(&path)?;
-        // Read and not compared as text: a key that is newer than the policy has its default.
-        let known = serde_json::from_value(policy.card().training["config"].clone());
-        if known.is_ok_and(|known: TrainConfig| known == config) {
+        let known = &policy.card().training["config"];
+        if serde_json::to_value(&config).is_ok_and(|config| *known == config) {
             let seconds = std::fs::read_to_string(&seconds_path).unwrap_or_default();
             let seconds = seconds.trim().parse().unwrap_or(f64::NAN);
             return Ok(Trained { policy: Arc::new(policy), seconds });

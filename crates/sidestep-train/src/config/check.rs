@@ -64,7 +64,6 @@ impl Setup {
             action,
             mu: environment.mu,
             feasible_bonus: environment.feasible_bonus,
-            reward_scale: environment.reward_scale,
             episode_limit: environment.episode_limit,
         };
         Ok(Self { config, profile, parts, training, validation, starts, dagger_starts, rules })
@@ -79,7 +78,6 @@ fn check_numbers(config: &TrainConfig) -> Result<(), InvalidInput> {
     within("network.hidden", network.hidden, 1..=4096)?;
     within("environment.mu", environment.mu, 0.0..=1000.0)?;
     within("environment.feasible_bonus", environment.feasible_bonus, 0.0..=1000.0)?;
-    above_zero("environment.reward_scale", environment.reward_scale, 1e6)?;
     above_zero("environment.action_scale", environment.action_scale, 1e6)?;
     above_zero("environment.action_limit", environment.action_limit, 1e6)?;
     within("environment.episode_limit", environment.episode_limit.unwrap_or(1), 1..=u32::MAX)?;

@@ -177,13 +177,7 @@ mod tests {
         let check = |episode_limit: Option<u32>, steps: usize, expert: RepairBy| {
             let mut environments: Vec<Environment> =
                 (0..3).map(|index| Environment::new(index, &problems, 3)).collect();
-            let rules = Rules {
-                action: rule,
-                mu: 0.1,
-                feasible_bonus: 0.0,
-                reward_scale: 1.0,
-                episode_limit,
-            };
+            let rules = Rules { action: rule, mu: 0.1, feasible_bonus: 0.0, episode_limit };
             let ppo = PpoConfig { steps, ..PpoConfig::default() };
             let mut rollouts = Vec::new();
             collect(&agent, &mut environments, &problems, &rules, &ppo, &mut rollouts);

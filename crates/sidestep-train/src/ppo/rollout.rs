@@ -187,7 +187,6 @@ mod tests {
             action: ActionRule::PAPER,
             mu: 0.1,
             feasible_bonus: 0.0,
-            reward_scale: 1.0,
             episode_limit: Some(1),
         };
         let mut rollouts = Vec::new();
