@@ -178,22 +178,20 @@ fn attempt(args: &PlanArgs, task: &Task, name: &str) -> Result<Attempt, Failure>
             steps.push(step(&scene, &asked, iteration));
         }
     };
-    let go_on = || budget.is_none_or(|budget| begin.elapsed() < budget);
-    let watch = Watch { see: &see, go_on: &go_on };
+    let deadline = budget.map(|budget| begin + budget);
+    let watch = Watch { see: &see, go_on: &|| is_time_left(deadline) };
     let plan = plan_in(&scene, &asked, &planner, &options, watch)?;
     let time = begin.elapsed();
     // What is reported and drawn is the robot itself.
     let scene = if args.margin > 0.0 { Arc::new(Scene::of(task, &options.profile)) } else { scene };
     let mut trace = trace.into_inner().unwrap_or_default();
     trace.sort_by_key(|step| (step.start, step.iteration));
-    Ok(Attempt {
-        planner: name.into(),
-        scene,
-        plan,
-        time,
-        trace,
-        deadline: budget.map(|budget| begin + budget),
-    })
+    Ok(Attempt { planner: name.into(), scene, plan, time, trace, deadline })
+}
+
+/// Whether the time budget, if there is one, is not spent.
+fn is_time_left(deadline: Option<Instant>) -> bool {
+    deadline.is_none_or(|deadline| Instant::now() < deadline)
 }
 
 /// The task for a robot that is larger by `margin`.
@@ -229,7 +227,7 @@ fn step(scene: &Arc<Scene>, task: &Task, iteration: &Iteration<'_>) -> Step {
 fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> Answer {
     let Attempt { planner, scene, plan, time, trace, deadline } = attempt;
     let solved = plan.status == Status::Solved;
-    let go_on = || deadline.is_none_or(|deadline| Instant::now() < deadline);
+    let go_on = || is_time_left(deadline);
     let optimal = || scene.shortest_path().find_while(task.start, task.goal, &go_on).length();
     let path = plan.trajectory.as_ref();
     Answer {

@@ -133,11 +133,6 @@ impl WaypointView {
         self.age = 0;
     }
 
-    /// Updates made since the first trajectory.
-    pub fn age(&self) -> u32 {
-        self.age
-    }
-
     /// Whether the trajectory last seen is free by the exact certificate.
     pub fn is_free(&self) -> bool {
         self.is_free
