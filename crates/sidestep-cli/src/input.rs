@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use clap::Args;
-use sidestep::geometry::Point;
-use sidestep::queries::random_queries;
+use sidestep::plane::geometry::Point;
+use sidestep::suite::queries::random_queries;
 use sidestep::{Robot, Task, World};
 use sidestep_io::benchmarks::{barn, mpnet::Simple2d};
 use sidestep_io::{TaskFormat, grid_world, movingai, read_tasks, ros_map};

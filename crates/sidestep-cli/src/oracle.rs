@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use sidestep::Task;
 use sidestep::plan::by_world;
-use sidestep::shortest_path::{Route, ShortestPath};
+use sidestep::plane::shortest_path::{Route, ShortestPath};
 
 use crate::Global;
 use crate::failure::Failure;

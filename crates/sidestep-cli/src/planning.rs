@@ -6,11 +6,11 @@ use std::sync::Arc;
 use clap::Args;
 use sidestep::error::InvalidInput;
 use sidestep::optimizer::Method;
+use sidestep::plan::planner_name::parse_planner;
+use sidestep::plan::starts::StartStrategy;
 use sidestep::plan::{Auto, Options, Planner};
-use sidestep::planner_name::parse_planner;
 use sidestep::policy::Policy;
 use sidestep::profile::Profile;
-use sidestep::starts::StartStrategy;
 
 use crate::failure::Failure;
 

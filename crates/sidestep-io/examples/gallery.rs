@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::{env, fs};
 
-use sidestep::geometry::{Circle, ConvexPolygon, Point, Rect};
+use sidestep::plane::geometry::{Circle, ConvexPolygon, Point, Rect};
 use sidestep::{Obstacle, Robot, Task, Trajectory, World};
 use sidestep_io::picture::{BandPoint, Bar, Chart, Picture, TaskPanel};
 use sidestep_io::ros_map::{self, Unknown};

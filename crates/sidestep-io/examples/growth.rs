@@ -9,15 +9,17 @@ use std::time::Instant;
 
 use rand::RngExt;
 use serde_json::{Value, json};
-use sidestep::geometry::Rect;
-use sidestep::objective::{Objective, Scene};
+use sidestep::objective::Objective;
 use sidestep::optimizer::{Method, Optimizer};
+use sidestep::plan::run::{Until, run};
 use sidestep::plan::{Auto, Options, Planner, Watch, plan_batch, plan_in};
+use sidestep::plane::geometry::Rect;
+use sidestep::policy::shipped;
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::run::{Until, run};
+use sidestep::scene::Scene;
 use sidestep::suite::Suite;
-use sidestep::{Certifier, Obstacle, Robot, Task, World, shipped};
+use sidestep::{Certifier, Obstacle, Robot, Task, World};
 use sidestep_io::picture::{BandPoint, Chart, Picture};
 
 type Curve = (&'static str, Vec<[f64; 2]>);

@@ -7,14 +7,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rand::RngExt;
-use sidestep::geometry::Rect;
-use sidestep::objective::Scene;
 use sidestep::optimizer::Method;
 use sidestep::plan::{Auto, Options, Planner, Status, Watch, plan_in};
+use sidestep::plane::geometry::Rect;
+use sidestep::policy::shipped;
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
+use sidestep::scene::Scene;
 use sidestep::suite::Suite;
-use sidestep::{Certifier, Obstacle, Route, Task, Trajectory, World, shipped};
+use sidestep::{Certifier, Obstacle, Route, Task, Trajectory, World};
 
 /// Moves of each task.
 const MOVES: usize = 30;

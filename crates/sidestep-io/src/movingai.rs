@@ -12,7 +12,7 @@
 
 use std::sync::Arc;
 
-use sidestep::geometry::Point;
+use sidestep::plane::geometry::Point;
 use sidestep::{Grid, MAX_GRID_CELLS, Robot, Task, World};
 
 use crate::error::{FormatError, Place, quoted};

@@ -40,7 +40,7 @@ fn movingai_maps_and_queries() {
                 let (column, row) = grid.cell_of(p);
                 assert!(!grid.is_occupied(column, row), "{path:?} {query:?}");
             }
-            let straight = sidestep::geometry::distance(task.start, task.goal);
+            let straight = sidestep::plane::geometry::distance(task.start, task.goal);
             // Some of the files round their lengths to five decimals.
             assert!(query.octile_length >= straight - 1e-4, "{query:?}");
             assert_eq!(query.bucket, (query.octile_length / 4.0) as u32, "{query:?}");

@@ -8,7 +8,7 @@
 use std::path::Path;
 use std::{env, fs};
 
-use sidestep::geometry::{Circle, Rect};
+use sidestep::plane::geometry::{Circle, Rect};
 use sidestep_io::ros_map::{self, Unknown};
 
 const WIDTH: usize = 400;

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use proptest::prelude::*;
-use sidestep::geometry::{Circle, Point, Rect};
+use sidestep::plane::geometry::{Circle, Point, Rect};
 use sidestep::{Grid, Obstacle, Robot, Task, Trajectory, World};
 use sidestep_io::picture::{BandPoint, Bar, Chart, Picture, TaskPanel, palette};
 

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use proptest::prelude::*;
-use sidestep::geometry::{Circle, ConvexPolygon, Point, Rect};
+use sidestep::plane::geometry::{Circle, ConvexPolygon, Point, Rect};
 use sidestep::{Grid, Obstacle, Robot, Task, World};
 use sidestep_io::{TaskFormat, read_tasks, write_task, write_tasks};
 

@@ -9,7 +9,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 use sidestep::InvalidInput;
 use sidestep::network::{Cnn, FEATURES, Mlp, Network, Scratch};
-use sidestep::observation::ObservationPart;
+use sidestep::policy::observation::ObservationPart;
 use sidestep::rng::{Purpose, stream};
 
 use crate::initialization::{Initialization, Role};

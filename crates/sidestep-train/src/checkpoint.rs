@@ -1,13 +1,13 @@
 //! A training's complete state as bytes, from which it goes on to the same bits.
 //!
-//! A safetensors file ([`sidestep::tensors`]) with the parameters, the optimizer's moments, each environment's waypoints, observation and
+//! A safetensors file ([`sidestep::policy::tensors`]) with the parameters, the optimizer's moments, each environment's waypoints, observation and
 //! memory, and the best policy so far; and a document with the configuration, the counters, each environment's place in its
 //! stream, and the curve. What the configuration determines (tasks, samples, shuffles) is made again.
 
 use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
+use sidestep::policy::tensors::{self, Reader, Tensor};
 use sidestep::policy::{network_tensors, parameter_tensors, read_network, read_parameters};
-use sidestep::tensors::{self, Reader, Tensor};
 
 use crate::config::TrainConfig;
 use crate::dagger::States;

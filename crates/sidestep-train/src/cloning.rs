@@ -11,8 +11,8 @@
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use sidestep::plan::starts::StartStrategy;
 use sidestep::rng::{Purpose, stream};
-use sidestep::starts::StartStrategy;
 
 use crate::agent::{Agent, Gradient, Sums, Worker};
 use crate::environment::Problem;

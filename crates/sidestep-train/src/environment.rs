@@ -11,11 +11,12 @@
 //! many environments as tasks (the paper: 100 each) it keeps one. The noise of its actions comes from its own stream.
 
 use rand_chacha::ChaCha8Rng;
-use sidestep::objective::{Cost, Objective, Scene};
-use sidestep::observation::{Encoder, ObservationPart};
+use sidestep::objective::{Cost, Objective};
 use sidestep::policy::ActionRule;
+use sidestep::policy::observation::{Encoder, ObservationPart};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
+use sidestep::scene::Scene;
 use sidestep::{InvalidInput, Task};
 use std::sync::Arc;
 

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
 use sidestep::network::{Cnn, Mlp, Network};
-use sidestep::observation::{ObservationPart, image_place};
+use sidestep::policy::observation::{ObservationPart, image_place};
 
 use crate::gaussian::standard_normal;
 

@@ -4,12 +4,13 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use sidestep::objective::{Objective, Scene};
+use sidestep::objective::Objective;
 use sidestep::optimizer::{Method, Optimizer};
+use sidestep::plan::run::{Until, run};
 use sidestep::policy::Policy;
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::run::{Until, run};
+use sidestep::scene::Scene;
 use sidestep::suite::Suite;
 use sidestep_train::{TrainConfig, Trainer};
 

@@ -9,15 +9,16 @@ use std::sync::Arc;
 
 use divan::counter::ItemsCount;
 use sidestep::network::Scratch;
-use sidestep::objective::{Objective, Scene};
-use sidestep::objective_reference;
-use sidestep::observation::Encoder;
+use sidestep::objective::Objective;
+use sidestep::objective::reference;
 use sidestep::optimizer::{Method, Optimizer};
+use sidestep::plane::view::TaskMap;
+use sidestep::policy::observation::Encoder;
 use sidestep::policy::{Policy, PolicyNetwork};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
+use sidestep::scene::Scene;
 use sidestep::suite::Suite;
-use sidestep::waypoint_view::TaskMap;
 
 fn main() {
     divan::main();
@@ -111,13 +112,13 @@ fn learned_alone(bencher: divan::Bencher) {
 }
 
 /// One step of the shipped policies: what they see, the network and the update, one trajectory at a time.
-#[divan::bench(args = sidestep::shipped::NAMES)]
+#[divan::bench(args = sidestep::policy::shipped::NAMES)]
 fn shipped_alone(bencher: divan::Bencher, name: &str) {
     let mut batch = batch(&Profile::DEFAULT);
-    let policy = if name == sidestep::shipped::NAMES[0] {
-        sidestep::shipped::sidestep_1()
+    let policy = if name == sidestep::policy::shipped::NAMES[0] {
+        sidestep::policy::shipped::sidestep_1()
     } else {
-        sidestep::shipped::sidestep_1_small()
+        sidestep::policy::shipped::sidestep_1_small()
     };
     let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
     let mut optimizers: Vec<Optimizer> = tasks
@@ -142,7 +143,7 @@ fn shipped_alone(bencher: divan::Bencher, name: &str) {
 #[divan::bench]
 fn shipped_map(bencher: divan::Bencher) {
     let batch = batch(&Profile::DEFAULT);
-    let policy = sidestep::shipped::sidestep_1();
+    let policy = sidestep::policy::shipped::sidestep_1();
     let PolicyNetwork::Waypoint { view, network } = policy.network() else { return };
     let Some(shape) = &view.map else { return };
     bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
@@ -192,7 +193,7 @@ fn reference(bencher: divan::Bencher, name: &str) {
         for ((objective, scene), x) in batch.objectives.iter().zip(&batch.x) {
             let (start, goal) = (objective.start(), objective.goal());
             let field = scene.field();
-            total += objective_reference::cost_and_gradient(field, &profile, start, goal, x).0;
+            total += reference::cost_and_gradient(field, &profile, start, goal, x).0;
         }
         total
     });

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sidestep::geometry::{Point, Rect};
+use sidestep::plane::geometry::{Point, Rect};
 use sidestep::{Certifier, Obstacle, Robot, Route, RrtConnect, ShortestPath, Task, World};
 
 /// Random tasks for each measurement.

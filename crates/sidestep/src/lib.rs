@@ -4,46 +4,30 @@
 //! [`Trajectory`] or the reason why there is none. Underneath, an [`objective::Objective`] scores the
 //! waypoints of a trajectory and an [`optimizer::Optimizer`] walks them downhill.
 
-mod bit_grid;
-pub mod certificate;
-pub mod distance;
 pub mod error;
-pub mod geometry;
 pub mod kernels;
 pub mod network;
 pub mod objective;
-pub mod objective_reference;
-pub mod observation;
 pub mod optimizer;
 pub mod plan;
-pub mod planner_name;
+pub mod plane;
 pub mod policy;
 pub mod profile;
-pub mod queries;
 pub mod rng;
 mod robot;
-pub mod rrt_connect;
-pub mod run;
-mod sampled_check;
-pub mod shipped;
-pub mod shortest_path;
-pub mod smooth;
-pub mod starts;
+pub mod scene;
 pub mod suite;
 mod task;
-pub mod tensors;
 mod trajectory;
-pub mod waypoint_view;
-mod world;
 
-pub use certificate::{Certifier, Violation, certify};
 pub use error::InvalidInput;
+pub use plan::rrt_connect::{RrtConnect, RrtRun};
+pub use plane::certificate::{Certifier, Violation, certify};
+pub use plane::shortest_path::{Route, ShortestPath};
+pub use plane::world::{Grid, MAX_GRID_CELLS, Obstacle, World};
 pub use robot::Robot;
-pub use rrt_connect::{RrtConnect, RrtRun};
-pub use shortest_path::{Route, ShortestPath};
 pub use task::Task;
 pub use trajectory::Trajectory;
-pub use world::{Grid, MAX_GRID_CELLS, Obstacle, World};
 
 /// The README's examples are tests.
 #[cfg(doctest)]

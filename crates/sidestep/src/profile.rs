@@ -4,7 +4,7 @@
 //! does the same job right. A profile is data, so both share every line of code.
 
 use crate::error::InvalidInput;
-use crate::geometry::{Point, Rect};
+use crate::plane::geometry::{Point, Rect};
 
 /// How the obstacle cost averages waypoints and substeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +51,7 @@ pub struct Profile {
     /// Obstacle clearance ε under which a point is penalised, in normalised units.
     pub epsilon: f64,
     /// Whether ε is at most the typical clearance where the world is a map, whose passages are
-    /// narrow beside its extent ([`crate::objective::Scene::epsilon`]).
+    /// narrow beside its extent ([`crate::scene::Scene::epsilon`]).
     pub fits_epsilon_to_maps: bool,
     /// Weight λ of the length cost.
     pub lambda: f64,

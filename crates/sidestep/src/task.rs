@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use crate::error::{InvalidInput, finite_point};
-use crate::geometry::Point;
+use crate::plane::geometry::Point;
+use crate::plane::world::World;
 use crate::robot::Robot;
-use crate::world::World;
 
 /// One planning question. The world is shared, so that many queries on one map cost one map.
 #[derive(Debug, Clone, PartialEq)]

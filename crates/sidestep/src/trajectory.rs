@@ -1,6 +1,6 @@
 //! A trajectory: a sequence of configurations joined by straight segments.
 
-use crate::geometry::{Point, distance, lerp};
+use crate::plane::geometry::{Point, distance, lerp};
 
 /// Points that [`Trajectory::roughness`] looks at.
 const ROUGHNESS_POINTS: usize = 64;

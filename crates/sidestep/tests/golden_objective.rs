@@ -4,11 +4,12 @@
 use std::sync::Arc;
 
 use serde_json::Value;
-use sidestep::certificate::Certifier;
-use sidestep::distance::Field;
-use sidestep::geometry::{Circle, ConvexPolygon, Point, Rect};
-use sidestep::objective::{Objective, Scene};
+use sidestep::objective::Objective;
+use sidestep::plane::certificate::Certifier;
+use sidestep::plane::distance::Field;
+use sidestep::plane::geometry::{Circle, ConvexPolygon, Point, Rect};
 use sidestep::profile::{Averaging, Profile};
+use sidestep::scene::Scene;
 use sidestep::{Obstacle, Robot, Task, World};
 
 fn golden() -> Value {

@@ -4,11 +4,12 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use indicatif::ProgressBar;
-use sidestep::objective::{Objective, Scene};
+use sidestep::objective::Objective;
 use sidestep::optimizer::{Method, Optimizer};
 use sidestep::plan::Options;
+use sidestep::plan::run::{Run, Until, run};
 use sidestep::rng::{Purpose, stream};
-use sidestep::run::{Run, Until, run};
+use sidestep::scene::Scene;
 use sidestep::{InvalidInput, Task};
 
 use super::measure::{TaskSet, in_scenes};

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-use sidestep::objective::Scene;
 use sidestep::plan::{Options, Plan, Planner, Status, Watch, by_world, plan_in};
+use sidestep::scene::Scene;
 use sidestep::{InvalidInput, Task, Trajectory};
 
 use super::iterates::every_iterate;

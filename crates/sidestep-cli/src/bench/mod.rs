@@ -15,8 +15,8 @@ use clap::Args;
 use rayon::prelude::*;
 use sidestep::Task;
 use sidestep::plan::{Options, by_world};
+use sidestep::plane::shortest_path::{Route, ShortestPath};
 use sidestep::profile::Profile;
-use sidestep::shortest_path::{Route, ShortestPath};
 use sidestep::suite::Suite;
 
 use crate::Global;

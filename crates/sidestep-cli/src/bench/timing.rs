@@ -5,10 +5,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use sidestep::InvalidInput;
-use sidestep::objective::Scene;
 use sidestep::optimizer::Method;
+use sidestep::plan::run::{Iteration, Until, run};
 use sidestep::plan::{Options, Planner, by_world};
-use sidestep::run::{Iteration, Until, run};
+use sidestep::scene::Scene;
 
 use super::iterates::Walk;
 use super::measure::{TaskSet, plan_indexed};

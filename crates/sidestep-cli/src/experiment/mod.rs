@@ -14,10 +14,10 @@ use clap::Args;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use sidestep::optimizer::Method;
+use sidestep::plan::starts::StartStrategy;
 use sidestep::plan::{Options, Planner};
 use sidestep::policy::{Policy, PolicyCard};
 use sidestep::profile::Profile;
-use sidestep::starts::StartStrategy;
 use sidestep::suite::Suite;
 use sidestep_train::Trainer;
 

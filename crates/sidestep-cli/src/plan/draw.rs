@@ -1,7 +1,7 @@
 //! The pictures of `plan`: the task, the plan, the shortest path to compare, and the trace.
 
 use sidestep::plan::Status;
-use sidestep::shortest_path::{Route, ShortestPath};
+use sidestep::plane::shortest_path::{Route, ShortestPath};
 use sidestep::{Task, Trajectory};
 use sidestep_io::picture::{Picture, TaskPanel};
 

@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use sidestep::geometry::{Circle, Rect};
+use sidestep::plane::geometry::{Circle, Rect};
 use sidestep::{Obstacle, Robot, Task, World};
 
 use crate::error::{FormatError, Place};

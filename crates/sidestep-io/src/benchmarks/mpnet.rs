@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sidestep::geometry::{Point, Rect};
+use sidestep::plane::geometry::{Point, Rect};
 use sidestep::{Obstacle, Robot, Task, World};
 
 use crate::error::{FormatError, Place};

@@ -1,7 +1,7 @@
 //! A cursor on a JSON tree that knows its path, so that every error names its field.
 
 use sidestep::InvalidInput;
-use sidestep::geometry::Point;
+use sidestep::plane::geometry::Point;
 
 use super::{Json, locate};
 use crate::error::{FormatError, Place, nearest, quoted};

@@ -1,6 +1,6 @@
 //! A panel with a chart: curves with a band around them, points, or bars.
 
-use sidestep::geometry::Point;
+use sidestep::plane::geometry::Point;
 
 use super::axis::{Axis, Scale};
 use super::canvas::{Anchor, Canvas, Frame, Shape, Stroke, Text};

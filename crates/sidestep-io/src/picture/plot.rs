@@ -1,6 +1,6 @@
 //! The inside of a chart: from values to pixels, and the marks drawn there.
 
-use sidestep::geometry::Point;
+use sidestep::plane::geometry::Point;
 
 use super::axis::Axis;
 use super::canvas::{Canvas, Frame, Pixel, Stroke};

@@ -1,7 +1,7 @@
 //! The ground of a task's picture, shaded by a value of each point.
 
 use sidestep::World;
-use sidestep::geometry::Point;
+use sidestep::plane::geometry::Point;
 
 use super::canvas::{Frame, Shape};
 use super::color::SHADE;

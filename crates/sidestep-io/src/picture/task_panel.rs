@@ -1,6 +1,6 @@
 //! A panel that shows a task's world from above, with trajectories in it.
 
-use sidestep::geometry::{Circle, Point, Rect};
+use sidestep::plane::geometry::{Circle, Point, Rect};
 use sidestep::{Grid, Obstacle, Task, Trajectory};
 
 use super::canvas::{Canvas, Frame, Pixel, Shape, Stroke};

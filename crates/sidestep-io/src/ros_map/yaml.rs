@@ -1,7 +1,7 @@
 //! The YAML file of a ROS map. Fields that the formats do not know are passed over, as ROS does.
 
 use serde::Deserialize;
-use sidestep::geometry::Point;
+use sidestep::plane::geometry::Point;
 
 use crate::error::{FormatError, Place, nearest, quoted};
 

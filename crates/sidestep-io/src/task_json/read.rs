@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use sidestep::geometry::{Circle, ConvexPolygon, Rect};
+use sidestep::plane::geometry::{Circle, ConvexPolygon, Rect};
 use sidestep::{Grid, MAX_GRID_CELLS, Obstacle, Robot, Task, World};
 
 use super::{FORMAT, TASK_FORMAT, TaskFormat, rows};

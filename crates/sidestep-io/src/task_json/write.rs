@@ -1,6 +1,6 @@
 //! Tasks to task JSON. Numbers take the shortest form that reads back to the same f64.
 
-use sidestep::geometry::{Point, Rect};
+use sidestep::plane::geometry::{Point, Rect};
 use sidestep::{Grid, Obstacle, Robot, Task};
 
 use super::{TASK_FORMAT, TaskFormat, rows};

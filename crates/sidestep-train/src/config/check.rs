@@ -1,10 +1,10 @@
 //! Checks a configuration once, and names its parts.
 
 use sidestep::InvalidInput;
-use sidestep::observation::{ObservationPart, observation_len};
+use sidestep::plan::starts::StartStrategy;
 use sidestep::policy::ActionRule;
+use sidestep::policy::observation::{ObservationPart, observation_len};
 use sidestep::profile::Profile;
-use sidestep::starts::StartStrategy;
 use sidestep::suite::Suite;
 
 use super::TrainConfig;

@@ -20,9 +20,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sidestep::kernels::squared_norm;
 use sidestep::network::Scratch;
+use sidestep::plan::starts::StartStrategy;
 use sidestep::policy::ActionRule;
 use sidestep::rng::{Purpose, stream};
-use sidestep::starts::StartStrategy;
 
 use crate::agent::{Agent, Gradient};
 use crate::cloning::{self, Samples};

@@ -84,7 +84,7 @@ impl States {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sidestep::observation::ObservationPart;
+    use sidestep::policy::observation::ObservationPart;
     use sidestep::profile::Profile;
     use sidestep::suite::Suite;
 

@@ -114,7 +114,7 @@ impl Experts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sidestep::observation::ObservationPart;
+    use sidestep::policy::observation::ObservationPart;
     use sidestep::profile::Profile;
     use sidestep::suite::Suite;
 

@@ -7,11 +7,11 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use sidestep::geometry::{Point, distance};
 use sidestep::objective::Objective;
+use sidestep::plan::rrt_connect::shortcut;
+use sidestep::plan::starts::polyline;
+use sidestep::plane::geometry::{Point, distance};
 use sidestep::rng::{Purpose, stream};
-use sidestep::rrt_connect::shortcut;
-use sidestep::starts::polyline;
 use sidestep::{Obstacle, Robot, Route, ShortestPath, Task, World};
 
 /// Margins to obstacles in 64ths of the field (pixels of the paper's), tried in this order.
@@ -216,8 +216,8 @@ fn on_corners(corners: &[[f32; 2]], out: &mut [[f32; 2]]) -> Option<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sidestep::objective::Scene;
     use sidestep::profile::Profile;
+    use sidestep::scene::Scene;
     use sidestep::suite::Suite;
     use std::sync::Arc;
 

@@ -159,7 +159,7 @@ mod tests {
     use crate::expert::ExpertConfig;
     use crate::initialization::Initialization;
     use crate::ppo::{PpoConfig, collect};
-    use sidestep::observation::ObservationPart;
+    use sidestep::policy::observation::ObservationPart;
     use sidestep::profile::Profile;
     use sidestep::suite::Suite;
 

@@ -166,8 +166,8 @@ pub(super) fn summary(rollouts: &[Rollout]) -> UpdateMetrics {
 mod tests {
     use super::*;
     use crate::initialization::Initialization;
-    use sidestep::observation::ObservationPart;
     use sidestep::policy::ActionRule;
+    use sidestep::policy::observation::ObservationPart;
     use sidestep::profile::Profile;
     use sidestep::suite::Suite;
 

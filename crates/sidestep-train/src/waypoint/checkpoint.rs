@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
 use sidestep::network::WaypointNet;
-use sidestep::tensors::{self, Reader, Tensor};
+use sidestep::policy::tensors::{self, Reader, Tensor};
 
 use super::config::WaypointConfig;
 use super::trainer::{WaypointBest, WaypointProgress, WaypointTrainer};

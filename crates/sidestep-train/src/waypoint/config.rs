@@ -4,9 +4,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use sidestep::network::WaypointShape;
+use sidestep::plane::view::ViewParts;
 use sidestep::profile::Profile;
 use sidestep::suite::{candidate, varied};
-use sidestep::waypoint_view::ViewParts;
 use sidestep::{InvalidInput, Task};
 
 use crate::config::range::{above_zero, refuse, training_seed, validation_seed, within};
@@ -254,7 +254,7 @@ impl Default for WaypointValidationConfig {
 /// The name of this architecture in configurations and policy files.
 pub const ARCHITECTURE: &str = "waypoint";
 /// The name of the part of the observation that every waypoint policy has.
-pub const WAYPOINTS_PART: &str = sidestep::waypoint_view::PART;
+pub const WAYPOINTS_PART: &str = sidestep::plane::view::PART;
 
 impl WaypointConfig {
     /// Reads a TOML file's text and checks it.

@@ -183,8 +183,8 @@ mod tests {
     use super::super::imitation::Recipe;
     use super::*;
     use sidestep::network::{WaypointNet, WaypointShape};
+    use sidestep::plane::view::ViewParts;
     use sidestep::policy::ActionRule;
-    use sidestep::waypoint_view::ViewParts;
 
     /// The clipped loss of one walk, from densities, in f64.
     fn loss(walker: Walker<'_>, walk: &Walk, old: &[[f32; 2]], now: &[[f32; 2]]) -> f64 {

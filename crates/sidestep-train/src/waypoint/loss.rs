@@ -9,8 +9,8 @@
 //!
 //! The hinge has no gradient deeper than 2 px, where d says little about the way out.
 
-use sidestep::distance::Sampler;
 use sidestep::objective::Objective;
+use sidestep::plane::distance::Sampler;
 
 use crate::expert::routes::{Target, nearest};
 
@@ -129,12 +129,12 @@ mod tests {
     use crate::waypoint::routes;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
-    use sidestep::objective::Scene;
+    use sidestep::plane::view::{Look, Probes, WaypointView};
     use sidestep::policy::ActionRule;
     use sidestep::profile::Profile;
     use sidestep::rng::standard_normal;
+    use sidestep::scene::Scene;
     use sidestep::suite::candidate;
-    use sidestep::waypoint_view::{Look, Probes, WaypointView};
     use std::sync::Arc;
 
     /// Slopes of the loss with respect to the outputs, one coordinate at a time, against differences of the loss.

@@ -6,8 +6,8 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use sidestep::geometry::{Point, Rect, cross, distance, lerp, sub};
 use sidestep::objective::Objective;
+use sidestep::plane::geometry::{Point, Rect, cross, distance, lerp, sub};
 use sidestep::{Certifier, Obstacle, Robot, Route, ShortestPath, Task, Trajectory, World};
 
 use crate::expert::routes::{Target, mean_distance};
@@ -210,9 +210,9 @@ fn cornered(path: &[Point], count: usize) -> Option<Vec<Point>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sidestep::objective::Scene;
     use sidestep::profile::Profile;
     use sidestep::rng::{Purpose, stream};
+    use sidestep::scene::Scene;
     use sidestep::suite::{candidate, varied};
     use std::sync::Arc;
 

@@ -6,11 +6,12 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sidestep::Route;
 use sidestep::network::{WaypointNet, WaypointScratch};
-use sidestep::objective::{Objective, Scene};
+use sidestep::objective::Objective;
+use sidestep::plane::view::{Look, TaskMap, ViewParts, WaypointView};
 use sidestep::policy::ActionRule;
 use sidestep::profile::Profile;
+use sidestep::scene::Scene;
 use sidestep::suite::Suite;
-use sidestep::waypoint_view::{Look, TaskMap, ViewParts, WaypointView};
 
 use super::config::WaypointValidationConfig;
 use crate::validation::Validation;

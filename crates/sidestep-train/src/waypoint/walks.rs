@@ -3,11 +3,12 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use sidestep::network::{WaypointNet, WaypointScratch};
-use sidestep::objective::{Objective, Scene};
+use sidestep::objective::Objective;
+use sidestep::plan::starts::{StartStrategy, bend};
+use sidestep::plane::view::{Look, TaskMap, WaypointView};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::starts::{StartStrategy, bend};
-use sidestep::waypoint_view::{Look, TaskMap, WaypointView};
+use sidestep::scene::Scene;
 use std::sync::Arc;
 
 use super::config::PolicyGradientConfig;

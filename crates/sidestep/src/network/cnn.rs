@@ -15,7 +15,7 @@ use super::convolution::{Convolution, Form, Patches};
 use super::mlp::{MAX_PARAMETERS, Mlp, Scratch};
 use crate::error::InvalidInput;
 use crate::kernels::Isa;
-use crate::observation::IMAGE_SIDE;
+use crate::policy::observation::IMAGE_SIDE;
 
 /// Numbers of the image.
 const IMAGE: usize = IMAGE_SIDE * IMAGE_SIDE;

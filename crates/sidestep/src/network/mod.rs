@@ -20,7 +20,7 @@ pub use mlp::{MAX_PARAMETERS, Mlp, Scratch};
 pub use waypoint_net::{WaypointNet, WaypointScratch};
 pub use waypoint_shape::{OUTPUTS, WaypointShape};
 
-use crate::observation::{ObservationPart, image_place};
+use crate::policy::observation::{ObservationPart, image_place};
 
 /// The network of a policy that sees a whole trajectory: the observation decides which one it takes.
 #[derive(Debug, Clone, PartialEq)]

@@ -14,11 +14,11 @@ use rand_chacha::ChaCha8Rng;
 use crate::error::InvalidInput;
 use crate::network::{Scratch, WaypointNet, WaypointScratch};
 use crate::objective::Objective;
-use crate::observation::Encoder;
+use crate::plan::starts::bend;
+use crate::plane::view::{Look, TaskMap, ViewParts, WaypointView};
+use crate::policy::observation::Encoder;
 use crate::policy::{Policy, PolicyNetwork};
-use crate::starts::bend;
 use crate::task::Task;
-use crate::waypoint_view::{Look, TaskMap, ViewParts, WaypointView};
 
 /// Steps before a trajectory is bent.
 const PATIENCE: u32 = 10;

@@ -1,7 +1,7 @@
 //! The answer to a planning question.
 
-use crate::certificate::Violation;
-use crate::shortest_path::{Doubt, Proof};
+use crate::plane::certificate::Violation;
+use crate::plane::shortest_path::{Doubt, Proof};
 use crate::trajectory::Trajectory;
 
 /// How a planning question was answered.

@@ -5,7 +5,7 @@
 //!    hardly longer than the straight line is the answer.
 //! 3. The exact shortest path, which also proves that there is none. A plan of step 2 hardly
 //!    longer than it is the answer.
-//! 4. The shortest path made smooth ([`crate::smooth`]).
+//! 4. The shortest path made smooth ([`crate::plan::smooth`]).
 //! 5. The shortest path itself.
 //!
 //! So every task is answered that the exact search decides in the time that there is, and no plan is longer than
@@ -14,13 +14,13 @@
 use std::sync::Arc;
 
 use super::{Options, Origin, Plan, Status, Stop, Watch, optimize, shortest};
-use crate::certificate::Certifier;
 use crate::error::InvalidInput;
-use crate::geometry::distance;
-use crate::objective::Scene;
 use crate::optimizer::Method;
-use crate::shipped;
-use crate::smooth::smooth;
+use crate::plan::smooth::smooth;
+use crate::plane::certificate::Certifier;
+use crate::plane::geometry::distance;
+use crate::policy::shipped;
+use crate::scene::Scene;
 use crate::task::Task;
 use crate::trajectory::Trajectory;
 
@@ -132,12 +132,12 @@ mod tests {
     use super::*;
     use crate::optimizer::Method;
     use crate::plan::{Planner, plan_batch, plan_in};
+    use crate::plane::shortest_path::ShortestPath;
+    use crate::plane::world::{Grid, World};
     use crate::profile::Profile;
-    use crate::queries::random_queries;
     use crate::robot::Robot;
-    use crate::shortest_path::ShortestPath;
     use crate::suite::Suite;
-    use crate::world::{Grid, World};
+    use crate::suite::queries::random_queries;
 
     /// Every decided task is answered, at most [`LONGEST`] times the shortest path long.
     fn check(tasks: &[Task], profile: Profile) -> Vec<Plan> {

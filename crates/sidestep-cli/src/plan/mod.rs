@@ -1,0 +1,288 @@
+//! `sidestep plan`: one task, one certified plan or the reason why not.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use serde::Serialize;
+use sidestep::error::MAX_COORDINATE;
+use sidestep::objective::Objective;
+use sidestep::plan::run::Iteration;
+use sidestep::plan::{Plan, Status, Stop, Watch, plan_in};
+use sidestep::plane::geometry::Point;
+use sidestep::scene::Scene;
+use sidestep::{InvalidInput, Robot, Task, Trajectory};
+
+use crate::Global;
+use crate::failure::Failure;
+use crate::input::{self, InputArgs, parse_point};
+use crate::output;
+use crate::planning::{PlanningArgs, planner};
+
+mod draw;
+
+/// Arguments of `plan`.
+#[derive(Args)]
+pub struct PlanArgs {
+    /// Task .json or .jsonl, MovingAI .map or .scen, ROS map .yaml, BARN worlds .json, MPNet worlds .dat
+    input: PathBuf,
+    /// Which task of the file, from 0
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
+    index: usize,
+    /// Start in place of the file's
+    #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
+    start: Option<Point>,
+    /// Goal in place of the file's
+    #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
+    goal: Option<Point>,
+    #[command(flatten)]
+    from: InputArgs,
+    /// Planner, as NAME[:key=value,...]
+    #[arg(long, default_value = "auto")]
+    planner: String,
+    /// Planners to draw beside the first, each in a panel of its own
+    #[arg(long)]
+    compare: Vec<String>,
+    #[command(flatten)]
+    planning: PlanningArgs,
+    /// Use the whole budget and keep the best certified plan, instead of the first
+    #[arg(long)]
+    best: bool,
+    /// Stop after this many milliseconds with the best certified plan so far
+    #[arg(long, allow_negative_numbers = true)]
+    budget_ms: Option<f64>,
+    /// Distance that the plan keeps from obstacles and walls, certified as if the robot were so much larger, in task units
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    margin: f64,
+    /// Start from the waypoints of this plan (a file that `plan --out` wrote)
+    #[arg(long)]
+    warm_start: Option<PathBuf>,
+    /// Write the result here as JSON
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Draw the task and the plan here
+    #[arg(long)]
+    png: Option<PathBuf>,
+    /// Draw the task and the plan here
+    #[arg(long)]
+    svg: Option<PathBuf>,
+    /// Keep every iterate, in the JSON result and in pictures
+    #[arg(long)]
+    trace: bool,
+}
+
+/// The result as JSON.
+#[derive(Serialize)]
+struct Answer {
+    status: &'static str,
+    reason: String,
+    task: String,
+    planner: String,
+    /// What made the plan: which start, or the exact search. None without a plan.
+    origin: Option<String>,
+    iterations: usize,
+    time_us: f64,
+    length: Option<f64>,
+    optimal_length: Option<f64>,
+    clearance: Option<f64>,
+    certified: bool,
+    waypoints: Vec<Point>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    trace: Option<Vec<Step>>,
+}
+
+/// One iterate.
+#[derive(Serialize, Clone)]
+pub struct Step {
+    start: usize,
+    iteration: usize,
+    objective: f32,
+    obstacle_cost: f32,
+    length_cost: f32,
+    certified: bool,
+    waypoints: Vec<Point>,
+}
+
+/// Plans, prints and draws.
+pub fn run(args: &PlanArgs, global: &Global) -> Result<ExitCode, Failure> {
+    output::check_writable([&args.out, &args.png, &args.svg].into_iter().flatten())?;
+    let ends = (args.start, args.goal);
+    let mut tasks = input::read(&args.input, &args.from, ends, args.planning.seed)?;
+    if args.index >= tasks.len() {
+        let count = tasks.len();
+        return Err(Failure::at("--index", format!("{} of {count} tasks, from 0", args.index)));
+    }
+    let task = tasks.swap_remove(args.index);
+    let attempt = attempt(args, &task, &args.planner)?;
+    if args.png.is_some() || args.svg.is_some() {
+        let others: Vec<Attempt> = args
+            .compare
+            .iter()
+            .map(|name| self::attempt(args, &task, name))
+            .collect::<Result<_, Failure>>()?;
+        draw::pictures(args, &task, std::iter::once(&attempt).chain(&others))?;
+    }
+    let status = attempt.plan.status.clone();
+    let answer = answer(args, &task, attempt);
+    if let Some(path) = &args.out {
+        output::write_json(path, &answer)?;
+    }
+    if global.json {
+        output::print_json(&answer)?;
+    } else {
+        output::print(&describe(&answer))?;
+    }
+    Ok(match status {
+        Status::Solved => ExitCode::SUCCESS,
+        Status::Invalid(_) => ExitCode::from(2),
+        Status::Unsolved(_) | Status::Unsolvable(_) => ExitCode::from(1),
+    })
+}
+
+/// What one planner did.
+pub struct Attempt {
+    planner: String,
+    scene: Arc<Scene>,
+    plan: Plan,
+    time: Duration,
+    trace: Vec<Step>,
+    deadline: Option<Instant>,
+}
+
+/// Plans the task with the planner of that name.
+fn attempt(args: &PlanArgs, task: &Task, name: &str) -> Result<Attempt, Failure> {
+    let planner = planner(name)?;
+    let mut options = args.planning.options(task.world.bounds().extent(), &[&planner])?;
+    options.prove = true;
+    if args.best || args.budget_ms.is_some() {
+        options.stop = Stop::Best;
+    }
+    if let Some(path) = &args.warm_start {
+        options.warm_start = Some(read_waypoints(path)?);
+    }
+    let budget = match args.budget_ms {
+        Some(ms) if !(ms > 0.0 && ms <= 1e9) => {
+            return Err(Failure(format!("--budget-ms: {ms} is not above 0 and at most 1e9")));
+        }
+        ms => ms.map(|ms| Duration::from_secs_f64(ms / 1e3)),
+    };
+    let trace = Mutex::new(Vec::new());
+    let asked = with_margin(task, args.margin)?;
+    let begin = Instant::now();
+    let scene = Arc::new(Scene::of(&asked, &options.profile));
+    let see = |iteration: &Iteration<'_>| {
+        if args.trace
+            && let Ok(mut steps) = trace.lock()
+        {
+            steps.push(step(&scene, &asked, iteration));
+        }
+    };
+    let deadline = budget.map(|budget| begin + budget);
+    let watch = Watch { see: &see, go_on: &|| is_time_left(deadline) };
+    let plan = plan_in(&scene, &asked, &planner, &options, watch)?;
+    let time = begin.elapsed();
+    // What is reported and drawn is the robot itself.
+    let scene = if args.margin > 0.0 { Arc::new(Scene::of(task, &options.profile)) } else { scene };
+    let mut trace = trace.into_inner().unwrap_or_default();
+    trace.sort_by_key(|step| (step.start, step.iteration));
+    Ok(Attempt { planner: name.into(), scene, plan, time, trace, deadline })
+}
+
+/// Whether the time budget, if there is one, is not spent.
+fn is_time_left(deadline: Option<Instant>) -> bool {
+    deadline.is_none_or(|deadline| Instant::now() < deadline)
+}
+
+/// The task for a robot that is larger by `margin`.
+fn with_margin(task: &Task, margin: f64) -> Result<Task, Failure> {
+    let most = task.world.bounds().extent();
+    if !(0.0..=most).contains(&margin) {
+        let allowed = format!("a number from 0 to {most}, the field's extent");
+        return Err(InvalidInput::new("--margin", margin, allowed).into());
+    }
+    Ok(Task { robot: Robot::disc(task.robot.radius() + margin)?, ..task.clone() })
+}
+
+/// An iterate in task units. Methods that do not use U leave it to be computed here.
+fn step(scene: &Arc<Scene>, task: &Task, iteration: &Iteration<'_>) -> Step {
+    let waypoints = iteration.waypoints.len() / 2;
+    let cost = iteration.cost.or_else(|| {
+        let mut objective = Objective::new(task, scene.clone(), waypoints).ok()?;
+        Some(objective.cost(iteration.waypoints))
+    });
+    let cost = cost.unwrap_or_default();
+    let inner = iteration.waypoints.as_chunks::<2>().0.iter().map(|&p| scene.frame().to_task(p));
+    Step {
+        start: iteration.start,
+        iteration: iteration.index,
+        objective: cost.total,
+        obstacle_cost: cost.obstacle,
+        length_cost: cost.length,
+        certified: iteration.solved,
+        waypoints: std::iter::once(task.start).chain(inner).chain([task.goal]).collect(),
+    }
+}
+
+fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> Answer {
+    let Attempt { planner, scene, plan, time, trace, deadline } = attempt;
+    let solved = plan.status == Status::Solved;
+    let go_on = || is_time_left(deadline);
+    let optimal = || scene.shortest_path().find_while(task.start, task.goal, &go_on).length();
+    let path = plan.trajectory.as_ref();
+    Answer {
+        status: plan.status.name(),
+        reason: plan.status.reason(),
+        task: task.name.clone(),
+        planner,
+        origin: solved.then(|| plan.origin.to_string()),
+        iterations: plan.steps,
+        time_us: time.as_secs_f64() * 1e6,
+        length: path.filter(|_| solved).map(Trajectory::length),
+        optimal_length: if solved { optimal() } else { None },
+        clearance: path.filter(|_| solved).map(|path| scene.certifier().clearance(path)),
+        certified: solved,
+        waypoints: path.map_or_else(Vec::new, |path| path.points().to_vec()),
+        trace: args.trace.then_some(trace),
+    }
+}
+
+/// The answer in a few lines.
+fn describe(answer: &Answer) -> String {
+    let mut text = answer.status.to_string();
+    if !answer.reason.is_empty() {
+        text += &format!(": {}", answer.reason);
+    }
+    text += &format!(" ({}, {:.0} us)\n", answer.planner, answer.time_us);
+    if let (Some(length), Some(clearance), Some(origin)) =
+        (answer.length, answer.clearance, &answer.origin)
+    {
+        text += &format!("{origin} after {} iterations\n", answer.iterations);
+        let over = answer.optimal_length.filter(|&optimal| optimal > 0.0);
+        let over = over.map_or(String::new(), |optimal| {
+            let more = 100.0 * (length / optimal - 1.0).max(0.0);
+            format!(" ({more:.1} % over the shortest, {optimal:.3})")
+        });
+        text += &format!("length {length:.3}{over}, clearance {clearance:.3}\n");
+        text += &format!("{} points, certified free of collision\n", answer.waypoints.len());
+    }
+    text
+}
+
+/// The waypoints of a plan file.
+fn read_waypoints(path: &std::path::Path) -> Result<Trajectory, Failure> {
+    #[derive(serde::Deserialize)]
+    struct Saved {
+        waypoints: Vec<Point>,
+    }
+    let saved: Saved = serde_json::from_str(&input::read_text(path)?)
+        .map_err(|error| Failure::file(path, format!("is not a plan ({error})")))?;
+    let mut values = saved.waypoints.iter().flatten();
+    if saved.waypoints.len() < 2 || !values.all(|v| v.abs() <= MAX_COORDINATE) {
+        let need =
+            "waypoints: expected at least 2 points with coordinates of magnitude at most 1e9";
+        return Err(Failure::file(path, need));
+    }
+    Ok(Trajectory::from_points(&saved.waypoints))
+}

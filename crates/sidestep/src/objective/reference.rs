@@ -1,0 +1,160 @@
+//! The objective once more, plainly: the formula point by point in f64, as documentation and as the
+//! slow twin that the fast path ([`crate::objective`]) is tested and timed against.
+
+use crate::plane::distance::Field;
+use crate::profile::{Averaging, Profile};
+
+/// U and its gradient (`[N x 2]`) at the waypoints `x` (`[N x 2]`, normalised units).
+pub fn cost_and_gradient(
+    field: &Field,
+    profile: &Profile,
+    start: [f32; 2],
+    goal: [f32; 2],
+    x: &[f32],
+) -> (f64, Vec<f64>) {
+    let points: Vec<[f64; 2]> = std::iter::once(&start)
+        .chain(x.as_chunks::<2>().0)
+        .chain([&goal])
+        .map(|p| p.map(f64::from))
+        .collect();
+    let (n, s) = (points.len() - 2, profile.substeps);
+    let (waypoint_weight, substep_weight) = match profile.averaging {
+        Averaging::Pooled => {
+            let all = (n + (n + 1) * s) as f64;
+            (1.0 / all, 1.0 / all)
+        }
+        Averaging::Grouped => (1.0 / n as f64, 1.0 / ((n + 1) * s) as f64),
+    };
+    let mut total = 0.0;
+    let mut gradient = vec![0.0; points.len() * 2];
+    let mut add_point = |p: [f64; 2], weight: f64, shares: [(usize, f64); 2]| {
+        let (distance, slope) = field.at(p.map(|v| v as f32));
+        let (cost, cost_slope) = clearance_cost(f64::from(distance), profile.epsilon);
+        for (point, share) in shares {
+            for axis in 0..2 {
+                gradient[2 * point + axis] += weight
+                    * share
+                    * cost_slope
+                    * f64::from(slope[axis])
+                    * profile.obstacle_gradient_factor;
+            }
+        }
+        weight * cost
+    };
+    for i in 0..=n {
+        for j in 1..=s {
+            let t = j as f64 / (s + 1) as f64;
+            let p = [0, 1].map(|k| points[i][k] + t * (points[i + 1][k] - points[i][k]));
+            total += add_point(p, substep_weight, [(i, 1.0 - t), (i + 1, t)]);
+        }
+        if i < n {
+            total += add_point(points[i + 1], waypoint_weight, [(i + 1, 1.0), (i + 1, 0.0)]);
+        }
+    }
+    for i in 0..=n {
+        for axis in 0..2 {
+            let step = points[i + 1][axis] - points[i][axis];
+            total += profile.lambda * step * step;
+            gradient[2 * i + axis] -= 2.0 * profile.lambda * step;
+            gradient[2 * (i + 1) + axis] += 2.0 * profile.lambda * step;
+        }
+    }
+    (total, gradient[2..2 * (n + 1)].to_vec())
+}
+
+/// c(D) and dc/dD (paper, section I.A).
+pub fn clearance_cost(distance: f64, epsilon: f64) -> (f64, f64) {
+    if distance < 0.0 {
+        (0.5 * epsilon - distance, -1.0)
+    } else if distance < epsilon {
+        ((distance - epsilon).powi(2) / (2.0 * epsilon), (distance - epsilon) / epsilon)
+    } else {
+        (0.0, 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::objective::Objective;
+    use crate::plane::geometry::{Circle, ConvexPolygon};
+    use crate::scene::Scene;
+    use crate::suite::Suite;
+    use crate::{Obstacle, Robot, Task, World};
+
+    /// A paper-like task with a circle and a polygon more.
+    fn mixed_task(index: usize) -> Task {
+        let mut task = Suite::Easy.generate(index + 1, 1000, &Profile::PAPER).remove(index);
+        let mut obstacles = task.world.obstacles().to_vec();
+        obstacles.truncate(5);
+        obstacles.push(Obstacle::Circle(Circle::new([20.0, 44.0], 7.5).unwrap()));
+        let corners = vec![[40.0, 8.0], [55.0, 14.0], [47.0, 25.0]];
+        obstacles.push(Obstacle::Polygon(ConvexPolygon::new(corners).unwrap()));
+        task.world = Arc::new(World::new(task.world.bounds(), obstacles, None));
+        task.robot = Robot::disc(index as f64 % 3.0).unwrap();
+        task
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn objective_matches_reference(
+            index in 0usize..20,
+            paper in any::<bool>(),
+            n in 1usize..30,
+            offsets in proptest::collection::vec(-1.5f32..1.5, 60),
+        ) {
+            let task = mixed_task(index);
+            let profile = if paper { Profile::PAPER } else { Profile::DEFAULT };
+            let scene = Arc::new(Scene::new(&task.world, task.robot, &profile));
+            let mut objective = Objective::new(&task, scene.clone(), n).unwrap();
+            let mut x = vec![0.0; 2 * n];
+            objective.straight_line(&mut x);
+            x.iter_mut().zip(&offsets).for_each(|(x, o)| *x += o);
+            let mut gradient = vec![0.0; 2 * n];
+            let cost = objective.cost_and_gradient(&x, &mut gradient).total;
+            let (start, goal) = (objective.start(), objective.goal());
+            let (expected, slopes) =
+                cost_and_gradient(scene.field(), &profile, start, goal, &x);
+            prop_assert!((f64::from(cost) - expected).abs() <= 2e-5 * (1.0 + expected));
+            prop_assert_eq!(objective.cost(&x).total, cost);
+            for (got, expected) in gradient.iter().zip(slopes) {
+                prop_assert!((f64::from(*got) - expected).abs() <= 1e-4 * (1.0 + expected.abs()));
+            }
+        }
+
+        #[test]
+        fn gradient_matches_finite_differences(
+            index in 0usize..20,
+            offsets in proptest::collection::vec(-1.5f32..1.5, 20),
+            k in 0usize..20,
+        ) {
+            let task = mixed_task(index);
+            let scene = Arc::new(Scene::new(&task.world, task.robot, &Profile::DEFAULT));
+            let objective = Objective::new(&task, scene.clone(), 10).unwrap();
+            let mut x = vec![0.0; 20];
+            objective.straight_line(&mut x);
+            x.iter_mut().zip(&offsets).for_each(|(x, o)| *x += o);
+            let at = |delta: f32| {
+                let mut moved = x.clone();
+                moved[k] += delta;
+                let (start, goal) = (objective.start(), objective.goal());
+                cost_and_gradient(scene.field(), &Profile::DEFAULT, start, goal, &moved)
+            };
+            let h = 2e-3;
+            let (low, here, high) = (at(-h), at(0.0), at(h));
+            let span = f64::from((x[k] + h) - (x[k] - h));
+            let slope = (high.0 - low.0) / span;
+            // D has kinks; where one lies in between, the slope is between the one-sided ones.
+            let bend = (high.1[k] - low.1[k]).abs();
+            prop_assert!(
+                (slope - here.1[k]).abs() <= 2e-3 + bend,
+                "{} {} {}", slope, here.1[k], bend
+            );
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! One approximation of the free space: a certifier, the corners of the grown obstacles, and, where
+//! there are many corners, what sees which.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::corners::{Corner, Rounding};
+use super::sight::Sight;
+use crate::plane::certificate::{Certifier, Growth};
+use crate::plane::geometry::{ConvexPolygon, Rect};
+use crate::plane::world::Obstacle;
+
+/// Corners keep this many tolerances from their obstacle; one is the certificate's.
+const CORNER_TOLERANCES: f64 = 2.0;
+/// Slack of the rules about turning, in tolerances.
+const SLACK_TOLERANCES: f64 = 100.0;
+/// Above this many corners, candidates come from a walk over what can be seen.
+const MOST_WITHOUT_SIGHT: usize = 192;
+
+/// A free space that holds all paths of the real one, or only such.
+#[derive(Debug, Clone)]
+pub(crate) struct Layer {
+    pub(crate) certifier: Certifier,
+    pub(crate) corners: Vec<Corner>,
+    /// Distances below this do not count when turns are judged.
+    pub(crate) slack: f64,
+    pub(crate) sight: Option<Sight>,
+    /// How far the polygons round arcs reach beyond them, at most. A free point with less clearance
+    /// may lie in such a band, inside a grown obstacle.
+    pub(crate) band: f64,
+}
+
+impl Layer {
+    /// Every path over these corners that the certifier allows is a path of the robot.
+    pub(crate) fn outside(certifier: Certifier, arcs_per_right_angle: u32) -> Self {
+        let slack = SLACK_TOLERANCES * certifier.tolerance();
+        let radius = certifier.radius() + CORNER_TOLERANCES * certifier.tolerance();
+        let step = FRAC_PI_2 / f64::from(arcs_per_right_angle);
+        let arcs = Rounding { radius, step, outside: true };
+        let mitred = Rounding { radius, step: FRAC_PI_2, outside: true };
+        let rounding = if certifier.radius() > 0.0 { arcs } else { mitred };
+        let mut corners = Vec::with_capacity(4 * certifier.obstacles().len());
+        for shape in certifier.obstacles() {
+            let is_circle = matches!(shape, Obstacle::Circle(_));
+            (if is_circle { arcs } else { rounding }).corners_of(shape, |c| corners.push(c));
+        }
+        if let Some(cells) = certifier.cells() {
+            rounding.corners_of_cells(cells, |corner| corners.push(corner));
+        }
+        let widest = certifier.obstacles().iter().map(|shape| match shape {
+            Obstacle::Circle(circle) => radius + circle.radius,
+            _ => radius,
+        });
+        let reach = 1.0 / (0.5 * step).cos() - 1.0;
+        let band = widest.fold(radius, f64::max) * reach + certifier.tolerance();
+        let band = if Self::is_exact(&certifier) { 0.0 } else { band };
+        Self { band, ..Self::new(certifier, corners, slack) }
+    }
+
+    /// No path of the robot is shorter than the shortest over these corners.
+    ///
+    /// A certified path keeps more than `reach = r + tolerance` from every shape, so it avoids the shape
+    /// grown by the polygon that is inscribed in a disc of that radius. The corners are that polygon's;
+    /// the checks grow the shape by a polygon one or a few quarter tolerances smaller, so that sides
+    /// and corners stay allowed. Flat sides are therefore exact: a gap just as wide as the robot is
+    /// closed.
+    pub(crate) fn inside(outside: &Certifier, arcs_per_right_angle: u32) -> Self {
+        let tolerance = outside.tolerance();
+        let slack = SLACK_TOLERANCES * tolerance;
+        let reach = outside.margin();
+        let step = FRAC_PI_2 / f64::from(arcs_per_right_angle);
+        let inscribed = |radius: f64| Rounding { radius, step, outside: false };
+        // Of a robot that is hardly more than a point, corners are mitred, within the reach.
+        let is_thin = outside.radius() < slack;
+        let corner_arcs = if is_thin {
+            Rounding { radius: 0.7 * reach, step: FRAC_PI_2, outside: true }
+        } else {
+            inscribed(reach)
+        };
+        let (grown, margin) = if is_thin {
+            (0.0, 0.25 * reach)
+        } else {
+            (reach - 0.75 * tolerance, 0.25 * tolerance)
+        };
+        let (mut corners, mut shapes) = (Vec::new(), Vec::new());
+        let polygon = |rounding: Rounding, shape: &Obstacle| {
+            let mut vertices = Vec::new();
+            rounding.corners_of(shape, |corner| vertices.push(corner.at));
+            ConvexPolygon::from_convex(vertices)
+        };
+        for shape in outside.obstacles() {
+            let is_circle = matches!(shape, Obstacle::Circle(_));
+            let arcs = if is_circle { inscribed(reach) } else { corner_arcs };
+            arcs.corners_of(shape, |corner| corners.push(corner));
+            shapes.push(if is_thin && !is_circle {
+                shape.clone()
+            } else {
+                Obstacle::Polygon(polygon(inscribed(grown), shape))
+            });
+        }
+        let cells = outside.cells().map(|cells| {
+            corner_arcs.corners_of_cells(cells, |corner| corners.push(corner));
+            let side = cells.resolution();
+            let square = Obstacle::Rect(Rect { min: [0.0, 0.0], max: [side, side] });
+            cells.grown(if is_thin && outside.radius() == 0.0 {
+                Growth::Square(margin)
+            } else if is_thin {
+                Growth::Round(margin)
+            } else {
+                Growth::Polygon {
+                    polygon: polygon(inscribed(grown), &square),
+                    inner: grown * (0.5 * step).cos() - margin,
+                    outer: reach,
+                }
+            })
+        });
+        let certifier = Certifier::from_parts(outside.bounds(), 0.0, margin, shapes, cells);
+        Self::new(certifier, corners, slack)
+    }
+
+    /// Keeps the corners that are free.
+    fn new(certifier: Certifier, mut corners: Vec<Corner>, slack: f64) -> Self {
+        corners.retain(|corner| certifier.point_is_free(corner.at));
+        let sight =
+            (corners.len() > MOST_WITHOUT_SIGHT).then(|| Sight::new(&certifier, &mut corners));
+        Self { certifier, corners, slack, sight, band: 0.0 }
+    }
+
+    /// Whether the corners are exact but for a few tolerances: nothing is round.
+    pub(crate) fn is_exact(certifier: &Certifier) -> bool {
+        certifier.radius() == 0.0
+            && !certifier.obstacles().iter().any(|shape| matches!(shape, Obstacle::Circle(_)))
+    }
+}

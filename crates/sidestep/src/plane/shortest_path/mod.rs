@@ -1,0 +1,208 @@
+//! The exact shortest path of a point or disc among obstacles, or a proof that there is none.
+//!
+//! A shortest path is straight but for turns at corners of the obstacles grown by the robot (T.
+//! Lozano-Perez and M. Wesley, An algorithm for planning collision-free paths among polyhedral
+//! obstacles, CACM 1979, doi:10.1145/359156.359164), so a search over corners that see each other
+//! is exact. What makes it robust: corners lie two tolerances outside the grown obstacles, and
+//! *sees* is the certificate's check, which asks for more than one. Sides on one line, shared
+//! edges and touching corners need no special case, a path may run along a side, a gap of no width is
+//! closed, and every path is certified.
+//!
+//! *Solvable* therefore means: there is a path with a clearance of a few tolerances. For a point
+//! among rectangles, polygons and grid cells the answer is exact in that sense. Arcs, round a disc's corners or
+//! circles, are approximated from outside (a path, an upper bound) and from inside (a lower bound, or a
+//! proof that there is no path), finer and finer until both agree on whether there is a path.
+
+mod corners;
+mod layer;
+mod raster;
+mod route;
+mod search;
+mod sight;
+
+pub use route::{Doubt, Proof, Route};
+
+use std::sync::{Arc, OnceLock};
+
+use layer::Layer;
+use search::{Ending, Limits, Workspace};
+
+use crate::plane::certificate::Certifier;
+use crate::plane::geometry::{Point, distance};
+use crate::plane::world::World;
+use crate::robot::Robot;
+use crate::trajectory::Trajectory;
+
+/// Arcs per right angle: a path round a corner is longer than the arc by at most 0.4 %.
+const ARCS: u32 = 8;
+/// A path at most this many times the lower bound is not approximated more finely.
+const CLOSE: f64 = 1.005;
+/// The finest approximation tried where the passage is narrow.
+const MOST_ARCS: u32 = 64;
+/// Most edges that one search checks; what takes longer is undecided.
+const MOST_CHECKS: usize = 4_000_000;
+
+/// A world and a robot prepared for shortest-path queries. Clones share what was prepared and have
+/// buffers of their own, one for each thread.
+#[derive(Debug, Clone)]
+pub struct ShortestPath {
+    outside: Arc<Layer>,
+    /// The lower bound's corners, from the first query that needs them; none where exact.
+    inside: Arc<OnceLock<Layer>>,
+    is_exact: bool,
+    workspace: Workspace,
+}
+
+impl ShortestPath {
+    /// Prepares the queries of one robot in one world.
+    pub fn new(world: &World, robot: Robot) -> Self {
+        Self::of(Certifier::new(world, robot))
+    }
+
+    /// Prepares the queries of a certifier's robot in its world.
+    pub fn of(certifier: Certifier) -> Self {
+        let is_exact = Layer::is_exact(&certifier);
+        let outside = Arc::new(Layer::outside(certifier, ARCS));
+        Self { outside, inside: Arc::default(), is_exact, workspace: Workspace::default() }
+    }
+
+    /// The certifier of the same world and robot.
+    pub fn certifier(&self) -> &Certifier {
+        &self.outside.certifier
+    }
+
+    /// A shortest path between two positions of the robot, certified.
+    ///
+    /// Repeated calls reuse their buffers; only the answer is allocated.
+    pub fn find(&mut self, start: Point, goal: Point) -> Route {
+        self.find_while(start, goal, &|| true)
+    }
+
+    /// [`ShortestPath::find`] that is broken off ([`Doubt::BrokenOff`]) once `go_on` is false. It is asked every few microseconds, but
+    /// not while a finer approximation of arcs is prepared.
+    pub fn find_while(&mut self, start: Point, goal: Point, go_on: &dyn Fn() -> bool) -> Route {
+        let limits = Limits { checks: MOST_CHECKS, go_on };
+        let certifier = &self.outside.certifier;
+        if !(certifier.point_is_free(start) && certifier.point_is_free(goal)) {
+            let ends = Trajectory::from_points(&[start, goal]);
+            if let Err(violation) = certifier.check(&ends) {
+                return Route::Unsolvable(Proof::End(violation));
+            }
+        }
+        if certifier.segment_is_free(start, goal) {
+            let length = distance(start, goal);
+            let trajectory = Trajectory::from_points(&[start, goal]);
+            return Route::Found { trajectory, length, lower_bound: length };
+        }
+        if let Some(sight) = &self.outside.sight
+            && let (Some(a), Some(b)) = (sight.part(start), sight.part(goal))
+            && a != b
+        {
+            return Route::Unsolvable(Proof::Disconnected);
+        }
+        let workspace = &mut self.workspace;
+        let outer = if self.is_exact {
+            search(workspace, &self.outside, start, goal, limits)
+        } else {
+            workspace.search(&self.outside, start, goal, true, limits)
+        };
+        let trajectory = || Trajectory::from_points(&workspace.path(&self.outside, start, goal));
+        match outer {
+            Ending::OutOfWork => Route::Undecided(Doubt::OutOfWork { checks: MOST_CHECKS }),
+            Ending::BrokenOff => Route::Undecided(Doubt::BrokenOff),
+            Ending::Exhausted if self.is_exact => Route::Unsolvable(Proof::Disconnected),
+            Ending::Found(length) if self.is_exact => {
+                Route::Found { trajectory: trajectory(), length, lower_bound: length }
+            }
+            Ending::Found(length) => {
+                let found = (trajectory(), length);
+                self.bound([start, goal], Some(found), limits)
+            }
+            Ending::Exhausted => self.bound([start, goal], None, limits),
+        }
+    }
+
+    /// Bounds a path from below, or decides whether there is one, by the approximation from inside; both
+    /// become finer until they agree.
+    fn bound(
+        &mut self,
+        [start, goal]: [Point; 2],
+        found: Option<(Trajectory, f64)>,
+        limits: Limits<'_>,
+    ) -> Route {
+        let workspace = &mut self.workspace;
+        let (mut arcs, mut found) = (ARCS, found);
+        let mut lower_bound = distance(start, goal);
+        loop {
+            let fresh;
+            let inside = if arcs == ARCS {
+                self.inside.get_or_init(|| Layer::inside(&self.outside.certifier, arcs))
+            } else {
+                fresh = Layer::inside(&self.outside.certifier, arcs);
+                &fresh
+            };
+            let inner = search(workspace, inside, start, goal, limits);
+            if let Ending::Found(bound) = inner {
+                lower_bound = lower_bound.max(bound);
+            }
+            match (found.take(), inner) {
+                (Some((trajectory, length)), inner) => {
+                    let close = length <= CLOSE * lower_bound || !matches!(inner, Ending::Found(_));
+                    if close || arcs == MOST_ARCS {
+                        let lower_bound = lower_bound.min(length);
+                        return Route::Found { trajectory, length, lower_bound };
+                    }
+                    found = Some((trajectory, length));
+                }
+                (None, Ending::Exhausted) => return Route::Unsolvable(Proof::Disconnected),
+                (None, Ending::OutOfWork) => {
+                    return Route::Undecided(Doubt::OutOfWork { checks: MOST_CHECKS });
+                }
+                (None, Ending::BrokenOff) => return Route::Undecided(Doubt::BrokenOff),
+                (None, Ending::Found(_)) if arcs == MOST_ARCS => {
+                    return Route::Undecided(Doubt::NarrowPassage { lower_bound });
+                }
+                (None, Ending::Found(_)) => {}
+            }
+            // Perhaps the rules about turning were too strict.
+            if found.is_none()
+                && arcs == ARCS
+                && let Ending::Found(length) =
+                    workspace.search(&self.outside, start, goal, false, limits)
+            {
+                let points = workspace.path(&self.outside, start, goal);
+                found = Some((Trajectory::from_points(&points), length));
+                continue;
+            }
+            arcs *= 2;
+            let outside = Layer::outside(self.outside.certifier.clone(), arcs);
+            let outer = workspace.search(&outside, start, goal, true, limits);
+            if let Ending::Found(length) = outer
+                && found.as_ref().is_none_or(|known| length < known.1)
+            {
+                let points = workspace.path(&outside, start, goal);
+                found = Some((Trajectory::from_points(&points), length));
+            }
+        }
+    }
+}
+
+/// A search whose failure is a proof: with the rules about turning, and where that fails once more
+/// without them.
+fn search(
+    workspace: &mut Workspace,
+    layer: &Layer,
+    start: Point,
+    goal: Point,
+    limits: Limits<'_>,
+) -> Ending {
+    match workspace.search(layer, start, goal, true, limits) {
+        Ending::Exhausted => workspace.search(layer, start, goal, false, limits),
+        ending => ending,
+    }
+}
+
+#[cfg(test)]
+mod grid_tests;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,354 @@
+//! What the waypoint policy sees: one row of numbers per waypoint, the same for every number of waypoints.
+//!
+//! Lengths are normalised (1 is 10 px of the paper's field), directions are along and across the line from start to goal, and
+//! distances are the exact signed distances of the robot's body, walls included. A row holds
+//!
+//! | numbers | what |
+//! | --- | --- |
+//! | 2, 2 | offset from the start, and to the goal (/3.2) |
+//! | 2, 2 | offset to the point before, and to the one after (x2) |
+//! | 2 | the last update (x2.5) |
+//! | 1, 1, 1 | distance from start to goal (/3.2), place i / (N + 1), N + 1 (/11) |
+//! | 1, 1, 1 | steps so far (/20), whether the first trajectory was not the straight line, share of segments that are not free |
+//! | 1, 1, 2 | signed distance at the waypoint: coarse (clamped to 1.2, /0.6), fine (clamped to 0.15, /0.15); its gradient |
+//! | 8, 8 | of the segment before, and of the one after: coarse distance at 3 of 7 points; the least of the 7 fine, its gradient and its place on the segment (0 to 1); whether it is free by the certificate |
+//! | R x K | coarse distance at K directions on each of R circles around the waypoint |
+//! | 5 x (C + 2), 2 | of a view with a map ([`TaskMap`]), its features at the waypoint and around it, then the detour through there and how far along it is; offset to the shortest way (x0.6) |
+
+mod look;
+mod map;
+mod parts;
+mod sweeps;
+mod ways;
+
+use crate::kernels::{Isa, dispatch};
+use crate::objective::Objective;
+use crate::plane::distance::{Field, LANES, Samples};
+use crate::policy::ActionRule;
+use look::Axes;
+
+pub use look::Look;
+pub use map::TaskMap;
+pub use parts::{PART, Probes, ViewParts};
+
+/// Numbers of a row besides the probes.
+const OWN: usize = 36;
+/// Points on each segment.
+const ON_SEGMENT: usize = 7;
+/// Coarse distances are clamped to this, and halved.
+const COARSE: f32 = 1.2;
+/// Fine distances are clamped to this.
+const FINE: f32 = 0.15;
+
+/// The view of one trajectory of one task, with what it remembers from earlier steps.
+#[derive(Debug, Clone)]
+pub struct WaypointView {
+    waypoints: usize,
+    look: Look,
+    axes: Axes,
+    /// Where waypoints may be: `[min_x, min_y, max_x, max_y]`.
+    room: [f32; 4],
+    /// Offsets of the probes, in field axes.
+    offsets: Vec<[f32; 2]>,
+    /// Last update of each waypoint, along and across, in the order of the look.
+    previous: Vec<[f32; 2]>,
+    age: u32,
+    is_bent: bool,
+    is_free: bool,
+    buffers: Buffers,
+    isa: Isa,
+}
+
+#[derive(Debug, Clone)]
+struct Buffers {
+    /// Waypoints in the order of the look.
+    points: Vec<[f32; 2]>,
+    /// Waypoints, then the point of each segment that is nearest to an obstacle, or deepest in one.
+    x: Vec<f32>,
+    y: Vec<f32>,
+    samples: Samples,
+    /// Per segment, which of its points that is.
+    least: Vec<usize>,
+    /// Per segment, whether it is free.
+    free: Vec<bool>,
+    /// [`ON_SEGMENT`] points of each segment.
+    segment_x: Vec<f32>,
+    segment_y: Vec<f32>,
+    segment: Vec<f32>,
+    /// Probes of all waypoints.
+    probe_x: Vec<f32>,
+    probe_y: Vec<f32>,
+    probe: Vec<f32>,
+}
+
+impl WaypointView {
+    /// A view of the trajectories of `objective`.
+    pub fn new(probes: &Probes, objective: &Objective, look: Look) -> Self {
+        let waypoints = objective.waypoints();
+        let axes = Axes::new(objective, look);
+        let start = axes.start;
+        let scene = objective.scene();
+        let bounds = scene.certifier().bounds();
+        let [min_x, min_y] = scene.frame().to_normalised(bounds.min);
+        let [max_x, max_y] = scene.frame().to_normalised(bounds.max);
+        // Half a hair inside, so that rounding to f32 puts no waypoint into a wall.
+        let hair = 1e-5;
+        let offsets: Vec<[f32; 2]> = probes.offsets().map(|p| axes.turn(p)).collect();
+        let points = (2 * waypoints + 1).next_multiple_of(LANES);
+        let on_segments = (ON_SEGMENT * (waypoints + 1)).next_multiple_of(LANES);
+        let probed = (waypoints * offsets.len()).next_multiple_of(LANES);
+        // Prepared here, so that no iteration pays for it.
+        scene.exact_field();
+        Self {
+            waypoints,
+            look,
+            axes,
+            room: [min_x + hair, min_y + hair, max_x - hair, max_y - hair],
+            offsets,
+            previous: vec![[0.0; 2]; waypoints],
+            age: 0,
+            is_bent: false,
+            is_free: false,
+            buffers: Buffers {
+                points: vec![start; waypoints],
+                x: vec![start[0]; points],
+                y: vec![start[1]; points],
+                samples: Samples::with_len(points),
+                least: vec![0; waypoints + 1],
+                free: vec![false; waypoints + 1],
+                segment_x: vec![start[0]; on_segments],
+                segment_y: vec![start[1]; on_segments],
+                segment: vec![0.0; on_segments],
+                probe_x: vec![start[0]; probed],
+                probe_y: vec![start[1]; probed],
+                probe: vec![0.0; probed],
+            },
+            isa: Isa::detect(),
+        }
+    }
+
+    /// Forgets earlier steps: the next trajectory is a first one.
+    pub fn reset(&mut self) {
+        self.previous.fill([0.0; 2]);
+        self.age = 0;
+    }
+
+    /// Whether the trajectory last seen is free by the exact certificate.
+    pub fn is_free(&self) -> bool {
+        self.is_free
+    }
+
+    /// Writes the rows of the waypoints `x [N x 2]` to `out [N x stride]`, in the order of the look, `stride` at least the row's
+    /// length; `map` is the task's of the same look, read by the network, where the view has one.
+    pub fn encode(
+        &mut self,
+        objective: &Objective,
+        x: &[f32],
+        map: Option<&TaskMap>,
+        out: &mut [f32],
+        stride: usize,
+    ) {
+        self.buffers.points.copy_from_slice(x.as_chunks::<2>().0);
+        if self.look.backwards {
+            self.buffers.points.reverse();
+        }
+        if self.age == 0 {
+            self.is_bent = self.bends();
+        }
+        let Buffers { points, free, .. } = &mut self.buffers;
+        let mut from = self.axes.start;
+        for (free, &to) in free.iter_mut().zip(points.iter().chain([&self.axes.goal])) {
+            *free = objective.segment_is_free(from, to);
+            from = to;
+        }
+        let blocked = free.iter().filter(|free| !**free).count();
+        self.is_free = blocked == 0;
+        let field = objective.scene().exact_field();
+        let Axes { start, goal, length, .. } = self.axes;
+        measure(self.isa, field, &mut self.buffers, &self.offsets, start, goal);
+        let shared = [
+            length / 3.2,
+            (self.waypoints + 1) as f32 / 11.0,
+            (self.age as f32 / 20.0).min(2.0),
+            f32::from(u8::from(self.is_bent)),
+            blocked as f32 / (self.waypoints + 1) as f32,
+        ];
+        for (i, row) in out.chunks_exact_mut(stride).take(self.waypoints).enumerate() {
+            let rest = self.write_row(i, &shared, row);
+            rest.fill(0.0);
+            if let Some(map) = map {
+                map.read(i, self.buffers.points[i], rest);
+            }
+        }
+    }
+
+    /// Writes all but the map's features, and returns what is left of the row.
+    fn write_row<'a>(&self, i: usize, shared: &[f32; 5], row: &'a mut [f32]) -> &'a mut [f32] {
+        let (points, axes) = (&self.buffers.points, &self.axes);
+        let before = if i > 0 { points[i - 1] } else { axes.start };
+        let after = points.get(i + 1).copied().unwrap_or(axes.goal);
+        let samples = &self.buffers.samples;
+        let at = points[i];
+        let mut row = RowWriter(row);
+        let offset = |from: [f32; 2], to: [f32; 2], factor: f32| {
+            axes.back([factor * (to[0] - from[0]), factor * (to[1] - from[1])])
+        };
+        row.put(offset(axes.start, at, 1.0 / 3.2));
+        row.put(offset(at, axes.goal, 1.0 / 3.2));
+        row.put(offset(at, before, 2.0));
+        row.put(offset(at, after, 2.0));
+        row.put(self.previous[i].map(|u| 2.5 * u));
+        row.put(*shared);
+        row.put([(i + 1) as f32 / (self.waypoints + 1) as f32]);
+        row.put([coarse(samples.distance[i]), fine(samples.distance[i])]);
+        row.put(axes.back([samples.gradient_x[i], samples.gradient_y[i]]));
+        for segment in [i, i + 1] {
+            let (first, least) = (ON_SEGMENT * segment, self.waypoints + segment);
+            row.put([1, 3, 5].map(|k| coarse(self.buffers.segment[first + k])));
+            row.put([fine(samples.distance[least])]);
+            row.put(axes.back([samples.gradient_x[least], samples.gradient_y[least]]));
+            row.put([(self.buffers.least[segment] + 1) as f32 / (ON_SEGMENT + 1) as f32]);
+            row.put([f32::from(u8::from(self.buffers.free[segment]))]);
+        }
+        let probes = self.offsets.len();
+        let (head, tail) = row.0.split_at_mut(probes);
+        for (out, &distance) in head.iter_mut().zip(&self.buffers.probe[i * probes..]) {
+            *out = coarse(distance);
+        }
+        tail
+    }
+
+    /// Whether the waypoints leave the straight line by more than half a pixel.
+    fn bends(&self) -> bool {
+        let segments = (self.waypoints + 1) as f32;
+        let Axes { start, goal, .. } = self.axes;
+        self.buffers.points.iter().enumerate().any(|(i, p)| {
+            let t = (i + 1) as f32 / segments;
+            (0..2).any(|axis| {
+                let line = start[axis] + t * (goal[axis] - start[axis]);
+                (p[axis] - line).abs() > 0.05
+            })
+        })
+    }
+
+    /// Moves the waypoints `x [N x 2]` by the network's `output(i)` for each row, along and across, as `rule` says, and
+    /// remembers the update. A NaN counts as 0.
+    pub fn apply(&mut self, rule: &ActionRule, output: impl Fn(usize) -> [f32; 2], x: &mut [f32]) {
+        let [min_x, min_y, max_x, max_y] = self.room;
+        for (place, p) in x.as_chunks_mut::<2>().0.iter_mut().enumerate() {
+            let i = if self.look.backwards { self.waypoints - 1 - place } else { place };
+            let update = output(i).map(|value| {
+                let update = (rule.scale * value).clamp(-rule.limit, rule.limit);
+                if update.is_nan() { 0.0 } else { update }
+            });
+            let moved = self.axes.turn(update);
+            let mut next = [p[0] + moved[0], p[1] + moved[1]];
+            if rule.keep_inside {
+                next = [next[0].max(min_x).min(max_x), next[1].max(min_y).min(max_y)];
+            }
+            *p = next;
+            self.previous[i] = update;
+        }
+        self.age += 1;
+    }
+
+    /// The direction from start to goal, or from goal to start: the first axis.
+    pub fn along(&self) -> [f32; 2] {
+        self.axes.along
+    }
+}
+
+/// What is left of a row to write.
+struct RowWriter<'a>(&'a mut [f32]);
+
+impl RowWriter<'_> {
+    /// Writes the next numbers. Their count is known, so that they are stored and not copied by a call.
+    #[inline(always)]
+    fn put<const N: usize>(&mut self, values: [f32; N]) {
+        let (head, tail) = std::mem::take(&mut self.0).split_at_mut(N);
+        head.copy_from_slice(&values);
+        self.0 = tail;
+    }
+}
+
+fn coarse(distance: f32) -> f32 {
+    distance.clamp(-COARSE, COARSE) / 0.6
+}
+
+fn fine(distance: f32) -> f32 {
+    distance.clamp(-FINE, FINE) / FINE
+}
+
+dispatch! {
+    /// Fills distances and gradients of waypoints and points on segments, and the distances of the probes.
+    fn measure(
+        field: &Field,
+        buffers: &mut Buffers,
+        offsets: &[[f32; 2]],
+        start: [f32; 2],
+        goal: [f32; 2],
+    ) = measure_body;
+}
+
+// The same plain arithmetic on every instruction set, so the same bits.
+#[inline(always)]
+fn measure_body<const ISA: u8>(
+    field: &Field,
+    buffers: &mut Buffers,
+    offsets: &[[f32; 2]],
+    start: [f32; 2],
+    goal: [f32; 2],
+) {
+    let Buffers {
+        points,
+        x,
+        y,
+        samples,
+        least,
+        segment_x,
+        segment_y,
+        segment,
+        probe_x,
+        probe_y,
+        probe,
+        ..
+    } = buffers;
+    let mut from = start;
+    let lines = segment_x.chunks_exact_mut(ON_SEGMENT).zip(segment_y.chunks_exact_mut(ON_SEGMENT));
+    for ((x, y), &to) in lines.zip(points.iter().chain([&goal])) {
+        for k in 0..ON_SEGMENT {
+            let t = (k + 1) as f32 / (ON_SEGMENT + 1) as f32;
+            x[k] = from[0] + t * (to[0] - from[0]);
+            y[k] = from[1] + t * (to[1] - from[1]);
+        }
+        from = to;
+    }
+    field.probe(segment_x, segment_y, segment);
+    let lines = segment.as_chunks::<ON_SEGMENT>().0.iter();
+    for (index, (least, distances)) in least.iter_mut().zip(lines).enumerate() {
+        // Without branches, which nothing could predict.
+        let (mut place, mut distance) = (0, distances[0]);
+        for (k, &other) in distances.iter().enumerate().skip(1) {
+            let nearer = other < distance;
+            distance = if nearer { other } else { distance };
+            place = std::hint::select_unpredictable(nearer, k, place);
+        }
+        *least = place;
+        let (at, first) = (points.len() + index, ON_SEGMENT * index);
+        (x[at], y[at]) = (segment_x[first + place], segment_y[first + place]);
+    }
+    let probes = offsets.len();
+    for (i, p) in points.iter().enumerate() {
+        (x[i], y[i]) = (p[0], p[1]);
+        let (px, py) = (&mut probe_x[i * probes..][..probes], &mut probe_y[i * probes..][..probes]);
+        for ((px, py), offset) in px.iter_mut().zip(py).zip(offsets) {
+            *px = p[0] + offset[0];
+            *py = p[1] + offset[1];
+        }
+    }
+    field.sample(x, y, 2 * points.len() + 1, samples);
+    field.probe(probe_x, probe_y, probe);
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,388 @@
+//! A policy: a network with the card that says what it sees, what its output means and where it comes from.
+//!
+//! There are two architectures: `mlp`, the paper's, sees a trajectory of a certain number of waypoints as a whole; `waypoint`
+//! has one network for each waypoint ([`WaypointNet`]), and serves any number of them and either profile.
+//!
+//! On file it is a safetensors file ([`crate::policy::tensors`]) with tensors `layers.L.weight [outputs x inputs]` and
+//! `layers.L.bias [outputs]`, and the card as its document. A file is checked as a whole before it is used:
+//! version, observation, sizes, every tensor's shape, every number finite.
+
+pub mod observation;
+pub mod shipped;
+pub mod tensors;
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::InvalidInput;
+use crate::network::{Cnn, Mlp, Network, Part, WaypointNet, WaypointShape};
+use crate::plane::view::ViewParts;
+use crate::policy::observation::{ObservationPart, image_place, observation_len};
+use crate::policy::tensors::{Reader, Tensor};
+use crate::profile::{MAX_WAYPOINTS, Profile};
+
+/// The version of the policy file that this program writes and reads.
+pub const FORMAT: &str = "sidestep.policy/1";
+
+/// Dense layers over a whole trajectory: tanh, tanh, .., linear.
+const MLP: &str = "mlp";
+/// Convolutions over an image before them.
+const CNN: &str = "cnn";
+/// One network for every waypoint.
+const WAYPOINT: &str = "waypoint";
+
+/// From a network's output to an update of the trajectory.
+///
+/// ```text
+/// x <- keep_inside(x + clamp(scale * output, -limit, limit))
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ActionRule {
+    /// Normalised units per unit of output; the paper's is 1.
+    pub scale: f32,
+    /// Largest update of a coordinate, in normalised units; the paper's is 1 (10 px).
+    pub limit: f32,
+    /// Whether waypoints are clipped to the field, as in the paper's code.
+    pub keep_inside: bool,
+}
+
+impl ActionRule {
+    /// The paper's rule.
+    pub const PAPER: Self = Self { scale: 1.0, limit: 1.0, keep_inside: true };
+
+    /// Moves the waypoints `x [N x 2]` by the network output `action [N x 2]` in a field `[0, width] x [0, height]`,
+    /// all in normalised units. Training and planning both call this. A NaN in `action` counts as 0.
+    pub fn apply(&self, action: &[f32], field: [f32; 2], x: &mut [f32]) {
+        for (index, (x, &output)) in x.iter_mut().zip(action).enumerate() {
+            let update = (self.scale * output).clamp(-self.limit, self.limit);
+            *x += if update.is_nan() { 0.0 } else { update };
+            if self.keep_inside {
+                *x = x.max(0.0).min(field[index % 2]);
+            }
+        }
+    }
+
+    fn check(&self) -> Result<(), InvalidInput> {
+        for (name, value) in [("scale", self.scale), ("limit", self.limit)] {
+            if !(value > 0.0 && value <= 1e6) {
+                let field = format!("policy.action.{name}");
+                return Err(InvalidInput::new(field, value, "a number above 0 and up to 1e6"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What a policy is: everything but its numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PolicyCard {
+    /// [`FORMAT`].
+    pub format: String,
+    /// `mlp`; `cnn` where the observation has an image; or `waypoint`.
+    pub architecture: String,
+    /// Of an `mlp`, the layers' sizes `[observation, hidden.., 2 x waypoints]`; of a `cnn` the same, with
+    /// the features of the image second; of a `waypoint` network
+    /// `[row, width, dilation..]`.
+    pub sizes: Vec<usize>,
+    /// Waypoints N of the trajectories that it updates; a `waypoint` network was trained mostly for so many.
+    pub waypoints: usize,
+    /// Names of the observation's parts, in order; see [`ObservationPart::named`] and [`ViewParts::from_names`].
+    pub observation: Vec<String>,
+    /// Name of the profile that it was trained in; an `mlp` serves no other.
+    pub profile: String,
+    /// What its output means.
+    pub action: ActionRule,
+    /// Where it comes from: configuration, seeds, curve; free-form.
+    pub training: serde_json::Value,
+    /// Licence of the weights, as an SPDX expression.
+    pub licence: String,
+}
+
+/// What a policy sees and thinks with.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PolicyNetwork {
+    /// Sees the trajectory as a whole.
+    Whole {
+        /// The observation's parts, in order.
+        parts: Vec<ObservationPart>,
+        /// From observation to update.
+        network: Network,
+    },
+    /// Sees each waypoint with its surroundings.
+    Waypoint {
+        /// What the view is made of.
+        view: ViewParts,
+        /// From the view's rows to updates.
+        network: WaypointNet,
+    },
+}
+
+/// A network that updates trajectories, with its card.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Policy {
+    card: PolicyCard,
+    network: PolicyNetwork,
+}
+
+impl Policy {
+    /// A policy of a whole trajectory; the card's format, architecture and sizes are filled in from the network.
+    ///
+    /// # Errors
+    /// If the observation, the network and the number of waypoints do not fit each other, or a number of the card is not allowed.
+    pub fn new(mut card: PolicyCard, network: impl Into<Network>) -> Result<Self, InvalidInput> {
+        let network = network.into();
+        card.format = FORMAT.into();
+        card.architecture = network.architecture().into();
+        card.sizes = network.sizes().to_vec();
+        check_card(&card)?;
+        let parts = check_whole(&card)?;
+        Ok(Self { card, network: PolicyNetwork::Whole { parts, network } })
+    }
+
+    /// A policy with weights shared over waypoints; the card's format, architecture and sizes are filled in from the network.
+    ///
+    /// # Errors
+    /// If the observation and the network do not fit each other, or a number of the card is not allowed.
+    pub fn of_waypoints(mut card: PolicyCard, network: WaypointNet) -> Result<Self, InvalidInput> {
+        card.format = FORMAT.into();
+        card.architecture = WAYPOINT.into();
+        let shape = network.shape();
+        card.sizes = vec![shape.inputs, shape.width];
+        card.sizes.extend_from_slice(&shape.dilations);
+        check_card(&card)?;
+        let (view, _) = check_waypoint(&card)?;
+        Ok(Self { card, network: PolicyNetwork::Waypoint { view, network } })
+    }
+
+    /// The card.
+    pub fn card(&self) -> &PolicyCard {
+        &self.card
+    }
+
+    /// The network with what it sees.
+    pub fn network(&self) -> &PolicyNetwork {
+        &self.network
+    }
+
+    /// The number of waypoints that the policy is bound to, if it is.
+    pub fn fixed_waypoints(&self) -> Option<usize> {
+        match self.network {
+            PolicyNetwork::Whole { .. } => Some(self.card.waypoints),
+            PolicyNetwork::Waypoint { .. } => None,
+        }
+    }
+
+    /// The profile that the policy is bound to, if it is.
+    pub fn fixed_profile(&self) -> Option<&str> {
+        match self.network {
+            PolicyNetwork::Whole { .. } => Some(&self.card.profile),
+            PolicyNetwork::Waypoint { .. } => None,
+        }
+    }
+
+    /// Checks that the policy can update trajectories of so many waypoints in the profile of that name.
+    ///
+    /// # Errors
+    /// If it was trained for another number or profile and is bound to it; the message names both.
+    pub fn check_use(&self, waypoints: usize, profile: &str) -> Result<(), InvalidInput> {
+        if let Some(fixed) = self.fixed_waypoints().filter(|fixed| *fixed != waypoints) {
+            let allowed = format!("{fixed}, which the policy was trained for");
+            return Err(InvalidInput::new("waypoints", waypoints, allowed));
+        }
+        if let Some(fixed) = self.fixed_profile().filter(|fixed| *fixed != profile) {
+            let allowed = format!("{fixed}, which the policy was trained in");
+            return Err(InvalidInput::new("profile", profile, allowed));
+        }
+        Ok(())
+    }
+
+    /// The policy file.
+    ///
+    /// # Errors
+    /// Never for a policy made by this module; kept for the writer's sake.
+    pub fn to_safetensors(&self) -> Result<Vec<u8>, InvalidInput> {
+        let tensors = match &self.network {
+            PolicyNetwork::Whole { network, .. } => parameter_tensors(network, ""),
+            PolicyNetwork::Waypoint { network, .. } => {
+                let sizes = network.shape().layer_sizes();
+                layer_tensors(&sizes, network.layer_ranges(), network.parameters(), "")
+            }
+        };
+        tensors::write(&self.card, &tensors)
+    }
+
+    /// Reads a policy file.
+    ///
+    /// # Errors
+    /// If the file is truncated, oversized, of another version, contradicts itself, lacks a tensor or holds one of
+    /// another shape, one that is not finite, or one too many. The message names what was found and expected.
+    pub fn from_safetensors(bytes: &[u8]) -> Result<Self, InvalidInput> {
+        let mut reader = Reader::new(bytes, "policy", FORMAT)?;
+        let card: PolicyCard = reader.document()?;
+        check_card(&card)?;
+        let network = match card.architecture.as_str() {
+            WAYPOINT => {
+                let (view, shape) = check_waypoint(&card)?;
+                let parameters = read_layers(&mut reader, &shape.layer_sizes(), "")?;
+                PolicyNetwork::Waypoint { view, network: WaypointNet::new(&shape, parameters)? }
+            }
+            _ => {
+                let parts = check_whole(&card)?;
+                let (sizes, waypoints) = (&card.sizes, card.waypoints);
+                let network = read_parameters(&mut reader, &parts, waypoints, sizes, "")?;
+                PolicyNetwork::Whole { parts, network }
+            }
+        };
+        reader.finish()?;
+        Ok(Self { card, network })
+    }
+}
+
+/// The tensors of the network of a whole trajectory, each name with the prefix.
+pub fn parameter_tensors<'a>(network: &'a Network, prefix: &str) -> Vec<Tensor<'a>> {
+    let parameters = network.parameters();
+    let tensor =
+        |(name, shape, range): Part| (format!("{prefix}{name}"), shape, &parameters[range]);
+    network.parts().into_iter().map(tensor).collect()
+}
+
+/// Reads back what [`parameter_tensors`] wrote, for a network over `parts` of so many waypoints.
+///
+/// # Errors
+/// If a tensor is missing or is not finite f32 of the shape that `sizes` asks for.
+pub fn read_parameters(
+    reader: &mut Reader,
+    parts: &[ObservationPart],
+    waypoints: usize,
+    sizes: &[usize],
+    prefix: &str,
+) -> Result<Network, InvalidInput> {
+    let Some(image_at) = image_place(parts, waypoints) else {
+        return Ok(read_network(reader, sizes, prefix)?.into());
+    };
+    // Of zeros, for the names and shapes; its size was checked first.
+    let count = Cnn::parameter_count(sizes, image_at)?;
+    let mut network = Network::from(Cnn::new(sizes, image_at, vec![0.0; count])?);
+    let mut parameters = Vec::with_capacity(count);
+    for (name, shape, _) in network.parts() {
+        parameters.extend(reader.tensor(&format!("{prefix}{name}"), &shape)?);
+    }
+    network.update(|own| own.copy_from_slice(&parameters));
+    Ok(network)
+}
+
+/// The tensors `PREFIXlayers.L.weight` and `PREFIXlayers.L.bias` of a network.
+pub fn network_tensors<'a>(network: &'a Mlp, prefix: &str) -> Vec<Tensor<'a>> {
+    let sizes: Vec<_> = network.sizes().windows(2).map(|pair| (pair[0], pair[1])).collect();
+    layer_tensors(&sizes, network.layer_ranges(), network.parameters(), prefix)
+}
+
+fn layer_tensors<'a>(
+    sizes: &[(usize, usize)],
+    ranges: impl Iterator<Item = (Range<usize>, Range<usize>)>,
+    parameters: &'a [f32],
+    prefix: &str,
+) -> Vec<Tensor<'a>> {
+    let mut tensors = Vec::new();
+    for (layer, (&(inputs, outputs), (weights, biases))) in sizes.iter().zip(ranges).enumerate() {
+        let name = format!("{prefix}layers.{layer}");
+        tensors.push((format!("{name}.weight"), vec![outputs, inputs], &parameters[weights]));
+        tensors.push((format!("{name}.bias"), vec![outputs], &parameters[biases]));
+    }
+    tensors
+}
+
+/// Reads back what [`network_tensors`] wrote.
+///
+/// # Errors
+/// If a tensor is missing or is not finite f32 of the shape that `sizes` asks for.
+pub fn read_network(
+    reader: &mut Reader,
+    sizes: &[usize],
+    prefix: &str,
+) -> Result<Mlp, InvalidInput> {
+    Mlp::parameter_count(sizes)?;
+    let layers: Vec<_> = sizes.windows(2).map(|pair| (pair[0], pair[1])).collect();
+    Mlp::new(sizes, read_layers(reader, &layers, prefix)?)
+}
+
+fn read_layers(
+    reader: &mut Reader,
+    sizes: &[(usize, usize)],
+    prefix: &str,
+) -> Result<Vec<f32>, InvalidInput> {
+    let mut parameters = Vec::new();
+    for (layer, &(inputs, outputs)) in sizes.iter().enumerate() {
+        let name = format!("{prefix}layers.{layer}");
+        parameters.extend(reader.tensor(&format!("{name}.weight"), &[outputs, inputs])?);
+        parameters.extend(reader.tensor(&format!("{name}.bias"), &[outputs])?);
+    }
+    Ok(parameters)
+}
+
+fn check_card(card: &PolicyCard) -> Result<(), InvalidInput> {
+    if ![MLP, CNN, WAYPOINT].contains(&card.architecture.as_str()) {
+        let allowed = format!("{MLP}, {CNN} or {WAYPOINT}");
+        return Err(InvalidInput::new("policy.architecture", &card.architecture, allowed));
+    }
+    Profile::named(&card.profile).map_err(|error| error.inside("policy"))?;
+    if !(1..=MAX_WAYPOINTS).contains(&card.waypoints) {
+        let allowed = format!("a number from 1 to {MAX_WAYPOINTS}");
+        return Err(InvalidInput::new("policy.waypoints", card.waypoints, allowed));
+    }
+    card.action.check()
+}
+
+/// The view and the network's shape of a card of the architecture [`WAYPOINT`].
+fn check_waypoint(card: &PolicyCard) -> Result<(ViewParts, WaypointShape), InvalidInput> {
+    let inside = |error: InvalidInput| error.inside("policy");
+    let view = ViewParts::from_names(&card.observation).map_err(inside)?;
+    let row = view.row_len();
+    match card.sizes[..] {
+        [inputs, width, ref dilations @ ..] if inputs == row => {
+            let (dilations, map) = (dilations.to_vec(), view.map.clone());
+            let shape = WaypointShape { inputs, width, dilations, map };
+            shape.parameter_count().map_err(inside)?;
+            Ok((view, shape))
+        }
+        _ => Err(InvalidInput::new(
+            "policy.sizes",
+            format!("{:?}", card.sizes),
+            format!("[{row}, width, dilation..] for {}", card.observation.join(" + ")),
+        )),
+    }
+}
+
+/// The parts of the observation of a card of the architectures [`MLP`] and [`CNN`].
+fn check_whole(card: &PolicyCard) -> Result<Vec<ObservationPart>, InvalidInput> {
+    let named: Result<Vec<_>, _> =
+        card.observation.iter().map(|name| ObservationPart::named(name)).collect();
+    let parts = named.map_err(|error| error.inside("policy"))?;
+    let length = observation_len(&parts, card.waypoints).map_err(|error| error.inside("policy"))?;
+    let expected = Network::architecture_for(&parts);
+    if card.architecture != expected {
+        let observation = card.observation.join(" + ");
+        let allowed = format!("{expected}, which the observation {observation} takes");
+        return Err(InvalidInput::new("policy.architecture", &card.architecture, allowed));
+    }
+    let (first, last) = (card.sizes.first().copied(), card.sizes.last().copied());
+    if card.sizes.len() < 2 || first != Some(length) || last != Some(2 * card.waypoints) {
+        return Err(InvalidInput::new(
+            "policy.sizes",
+            format!("{:?}", card.sizes),
+            format!(
+                "[{length}, .., {}] for the observation {} of {} waypoints",
+                2 * card.waypoints,
+                card.observation.join(" + "),
+                card.waypoints
+            ),
+        ));
+    }
+    Ok(parts)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,329 @@
+//! What a learned optimizer sees: named parts, concatenated in the order they are listed.
+//!
+//! Training and planning call this same encoder. The paper's agents see the gradient (20 numbers
+//! for 10 waypoints), the gradient and obstacle cost (31), or one of the wider observations of its
+//! section III.D.
+
+mod boxes;
+mod image;
+mod waypoint_image;
+
+use crate::error::InvalidInput;
+use crate::objective::Objective;
+use crate::plane::world::World;
+use crate::profile::NORMALISED_EXTENT;
+use boxes::{all_boxes, around, nearest_boxes, obstacle_boxes};
+
+pub use image::IMAGE_SIDE;
+
+/// One part of an observation. N is the number of waypoints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ObservationPart {
+    /// The gradient of U, `[N x 2]`.
+    Gradient,
+    /// The obstacle cost of each waypoint, then their mean: N + 1 numbers.
+    ObstacleCost,
+    /// The gradients of the last `count` steps, newest first, zero before the first: `[count x N x 2]`.
+    PreviousGradients {
+        /// How many earlier gradients.
+        count: usize,
+    },
+    /// The waypoints from the field's centre in half-extents (`centred`), `[N x 2]`.
+    Trajectory,
+    /// Centre and size of each obstacle's bounding box in the same units, `[count x 4]`, zero
+    /// where there are fewer.
+    Obstacles {
+        /// Most obstacles that a task may have.
+        count: usize,
+    },
+    /// The same for the obstacles nearest to the straight line from start to goal, nearest first: an order that means
+    /// something. Obstacles beyond `count` are not seen, so there may be any number.
+    NearestObstacles {
+        /// How many are seen.
+        count: usize,
+    },
+    /// Centre from the waypoint and size, in normalised units, of the obstacles nearest to each waypoint: `[N x count x 4]`.
+    WaypointObstacles {
+        /// How many each waypoint sees.
+        count: usize,
+    },
+    /// Start and goal in the same units: 4 numbers.
+    Ends,
+    /// The workspace and the trajectory as an image, `[64 x 64]` (`image.rs`).
+    Image,
+    /// The same around each waypoint, in pictures of 16 x 16 that make one image `[64 x 64]`; of at most 16 waypoints
+    /// (`waypoint_image.rs`).
+    WaypointImage,
+}
+
+/// Most earlier gradients that an observation may hold.
+const MAX_PREVIOUS: usize = 64;
+/// Most obstacles that a waypoint may see.
+const MAX_NEAR: usize = 64;
+/// Most obstacles that an observation may hold.
+const MAX_OBSTACLES: usize = 4096;
+
+impl ObservationPart {
+    /// The part's name: `gradient`, `obstacle-cost`, `previous-gradients:K`, `trajectory`, `obstacles:K`,
+    /// `nearest-obstacles:K`, `waypoint-obstacles:K`, `ends`, `image`, `waypoint-image`.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Gradient => "gradient".into(),
+            Self::ObstacleCost => "obstacle-cost".into(),
+            Self::PreviousGradients { count } => format!("previous-gradients:{count}"),
+            Self::Trajectory => "trajectory".into(),
+            Self::Obstacles { count } => format!("obstacles:{count}"),
+            Self::NearestObstacles { count } => format!("nearest-obstacles:{count}"),
+            Self::WaypointObstacles { count } => format!("waypoint-obstacles:{count}"),
+            Self::Ends => "ends".into(),
+            Self::Image => "image".into(),
+            Self::WaypointImage => "waypoint-image".into(),
+        }
+    }
+
+    /// The part of that name.
+    ///
+    /// # Errors
+    /// If there is none, or its number is out of range.
+    pub fn named(name: &str) -> Result<Self, InvalidInput> {
+        let refuse = |allowed: String| InvalidInput::new("observation", name, allowed);
+        let (word, number) = match name.split_once(':') {
+            Some((word, number)) => (word, Some(number)),
+            None => (name, None),
+        };
+        let count = |most: usize| {
+            number
+                .and_then(|n| n.parse::<usize>().ok())
+                .filter(|n| (1..=most).contains(n))
+                .ok_or_else(|| refuse(format!("{word}:K with K from 1 to {most}")))
+        };
+        match (word, number) {
+            ("gradient", None) => Ok(Self::Gradient),
+            ("obstacle-cost", None) => Ok(Self::ObstacleCost),
+            ("trajectory", None) => Ok(Self::Trajectory),
+            ("ends", None) => Ok(Self::Ends),
+            ("image", None) => Ok(Self::Image),
+            ("waypoint-image", None) => Ok(Self::WaypointImage),
+            ("previous-gradients", _) => {
+                Ok(Self::PreviousGradients { count: count(MAX_PREVIOUS)? })
+            }
+            ("obstacles", _) => Ok(Self::Obstacles { count: count(MAX_OBSTACLES)? }),
+            ("nearest-obstacles", _) => Ok(Self::NearestObstacles { count: count(MAX_OBSTACLES)? }),
+            ("waypoint-obstacles", _) => Ok(Self::WaypointObstacles { count: count(MAX_NEAR)? }),
+            _ => Err(refuse(
+                "gradient, obstacle-cost, previous-gradients:K, trajectory, ends, obstacles:K, \
+                 nearest-obstacles:K, waypoint-obstacles:K, image or waypoint-image"
+                    .into(),
+            )),
+        }
+    }
+
+    /// How many numbers the part takes for `waypoints` waypoints.
+    pub fn len(&self, waypoints: usize) -> usize {
+        match self {
+            Self::Gradient | Self::Trajectory => 2 * waypoints,
+            Self::ObstacleCost => waypoints + 1,
+            Self::PreviousGradients { count } => count * 2 * waypoints,
+            Self::Obstacles { count } | Self::NearestObstacles { count } => 4 * count,
+            Self::WaypointObstacles { count } => 4 * count * waypoints,
+            Self::Ends => 4,
+            Self::Image | Self::WaypointImage => IMAGE_SIDE * IMAGE_SIDE,
+        }
+    }
+
+    /// Never: each part holds at least one number.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Whether it is an image, which convolutions read.
+    pub fn is_image(&self) -> bool {
+        matches!(self, Self::Image | Self::WaypointImage)
+    }
+}
+
+/// Checks that a list of parts makes an observation, and returns its length.
+///
+/// # Errors
+/// If the list is empty, names a kind of part twice, has two images, or the waypoints are more than one of the parts holds.
+pub fn observation_len(parts: &[ObservationPart], waypoints: usize) -> Result<usize, InvalidInput> {
+    if parts.is_empty() {
+        return Err(InvalidInput::new("observation", "no part", "at least one part"));
+    }
+    for (i, part) in parts.iter().enumerate() {
+        let same_kind = |other: &&ObservationPart| {
+            std::mem::discriminant(*other) == std::mem::discriminant(part)
+        };
+        if parts[..i].iter().any(|other| same_kind(&other)) {
+            return Err(InvalidInput::new("observation", part.name(), "each kind of part once"));
+        }
+        if part.is_image() && parts[..i].iter().any(ObservationPart::is_image) {
+            return Err(InvalidInput::new("observation", part.name(), "one image"));
+        }
+        if *part == ObservationPart::WaypointImage {
+            waypoint_image::check(waypoints)?;
+        }
+    }
+    Ok(parts.iter().map(|part| part.len(waypoints)).sum())
+}
+
+/// Where the image begins in an observation of these parts, if there is one.
+pub fn image_place(parts: &[ObservationPart], waypoints: usize) -> Option<usize> {
+    let index = parts.iter().position(ObservationPart::is_image)?;
+    Some(parts[..index].iter().map(|part| part.len(waypoints)).sum())
+}
+
+/// Writes observations of one task, and remembers what its parts need from earlier steps.
+#[derive(Debug, Clone)]
+pub struct Encoder {
+    parts: Vec<ObservationPart>,
+    /// Earlier gradients, newest first: `[count x N x 2]`.
+    previous: Vec<f32>,
+    /// The obstacles parts, which do not change during a task.
+    obstacles: Vec<f32>,
+    nearest: Vec<f32>,
+    boxes: Vec<boxes::Box>,
+    /// The workspace without a trajectory, for the images.
+    workspace: Vec<f32>,
+    trail: image::Trail,
+}
+
+impl Encoder {
+    /// An encoder for a task of `objective`.
+    ///
+    /// # Errors
+    /// If the parts contradict each other or the world has more obstacles than the observation.
+    pub fn new(
+        parts: &[ObservationPart],
+        objective: &Objective,
+        world: &World,
+    ) -> Result<Self, InvalidInput> {
+        observation_len(parts, objective.waypoints())?;
+        let mut encoder = Self {
+            parts: parts.to_vec(),
+            previous: vec![],
+            obstacles: vec![],
+            nearest: vec![],
+            boxes: vec![],
+            workspace: vec![],
+            trail: image::Trail::default(),
+        };
+        for part in parts {
+            match *part {
+                ObservationPart::PreviousGradients { count } => {
+                    encoder.previous = vec![0.0; count * objective.dim()];
+                }
+                ObservationPart::Obstacles { count } => {
+                    encoder.obstacles = obstacle_boxes(world, objective, count)?;
+                }
+                ObservationPart::Image => encoder.workspace = image::workspace(world),
+                ObservationPart::WaypointImage => {
+                    encoder.workspace = waypoint_image::depths(objective);
+                }
+                ObservationPart::NearestObstacles { count } => {
+                    encoder.nearest = nearest_boxes(world, objective, count)?;
+                }
+                ObservationPart::WaypointObstacles { count } => {
+                    encoder.boxes = all_boxes(world, objective, count)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(encoder)
+    }
+
+    /// Length of the observation.
+    pub fn len(&self, objective: &Objective) -> usize {
+        self.parts.iter().map(|part| part.len(objective.waypoints())).sum()
+    }
+
+    /// Never: an observation holds at least one number.
+    pub fn is_empty(&self) -> bool {
+        self.parts.is_empty()
+    }
+
+    /// Forgets earlier steps.
+    pub fn reset(&mut self) {
+        self.previous.fill(0.0);
+    }
+
+    /// Earlier gradients that the encoder remembers, for checkpoints.
+    pub fn memory(&self) -> &[f32] {
+        &self.previous
+    }
+
+    /// Puts back what [`Encoder::memory`] gave; a slice of another length is ignored.
+    pub fn restore(&mut self, memory: &[f32]) {
+        if memory.len() == self.previous.len() {
+            self.previous.copy_from_slice(memory);
+        }
+    }
+
+    /// Writes the observation of the waypoints `x`, whose `gradient` `objective` has just computed.
+    pub fn encode(&mut self, objective: &Objective, x: &[f32], gradient: &[f32], out: &mut [f32]) {
+        let mut rest = out;
+        for part in &self.parts {
+            let (part_out, after) =
+                std::mem::take(&mut rest).split_at_mut(part.len(objective.waypoints()));
+            rest = after;
+            match part {
+                ObservationPart::Gradient => part_out.copy_from_slice(gradient),
+                ObservationPart::Trajectory => centred_all(objective, x, part_out),
+                ObservationPart::ObstacleCost => {
+                    let (costs, mean) = part_out.split_at_mut(objective.waypoints());
+                    for (out, cost) in costs.iter_mut().zip(objective.waypoint_costs()) {
+                        *out = cost;
+                    }
+                    mean[0] = costs.iter().sum::<f32>() / costs.len() as f32;
+                }
+                ObservationPart::PreviousGradients { .. } => {
+                    part_out.copy_from_slice(&self.previous);
+                    let kept = self.previous.len() - gradient.len();
+                    self.previous.copy_within(..kept, gradient.len());
+                    self.previous[..gradient.len()].copy_from_slice(gradient);
+                }
+                ObservationPart::Obstacles { .. } => part_out.copy_from_slice(&self.obstacles),
+                ObservationPart::NearestObstacles { .. } => part_out.copy_from_slice(&self.nearest),
+                ObservationPart::Image => {
+                    part_out.copy_from_slice(&self.workspace);
+                    self.trail.follow(objective, x);
+                    self.trail.draw(part_out);
+                }
+                ObservationPart::WaypointImage => {
+                    self.trail.follow(objective, x);
+                    waypoint_image::draw(&self.workspace, &self.trail, part_out);
+                }
+                ObservationPart::WaypointObstacles { count } => {
+                    let points = x.as_chunks::<2>().0.iter();
+                    for (&p, out) in points.zip(part_out.chunks_exact_mut(4 * count)) {
+                        around(&self.boxes, p, out);
+                    }
+                }
+                ObservationPart::Ends => {
+                    let ends = [objective.start(), objective.goal()];
+                    centred_all(objective, ends.as_flattened(), part_out);
+                }
+            }
+        }
+    }
+}
+
+/// Half of the field's larger side, in normalised units.
+pub(crate) const HALF_EXTENT: f32 = 0.5 * NORMALISED_EXTENT as f32;
+
+/// A position from the field's centre, in half-extents: in [-1, 1]. Positions of 0 to 6.4 beside gradients of a tenth would
+/// saturate the hidden units, and the gradient would go under (docs/research/wide-observations.md).
+pub(crate) fn centred(objective: &Objective, p: [f32; 2]) -> [f32; 2] {
+    let size = objective.scene().field_size();
+    [0, 1].map(|axis| (p[axis] - 0.5 * size[axis]) / HALF_EXTENT)
+}
+
+fn centred_all(objective: &Objective, points: &[f32], out: &mut [f32]) {
+    let points = points.as_chunks::<2>().0.iter();
+    for (out, &p) in out.as_chunks_mut::<2>().0.iter_mut().zip(points) {
+        *out = centred(objective, p);
+    }
+}
+
+#[cfg(test)]
+mod tests;
