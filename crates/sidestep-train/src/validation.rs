@@ -1,11 +1,6 @@
-//! How good a policy is: success and iterations on tasks that it was not trained on.
+//! How good a policy is: success and iterations on tasks that it was not trained on. Which check decides is the rooms' own.
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use sidestep::network::{Network, Scratch};
-use sidestep::policy::ActionRule;
-
-use crate::environment::Problem;
 
 /// The result on a set of tasks, each from the straight line, without noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -28,47 +23,4 @@ impl Validation {
     pub fn beats(&self, other: &Self) -> bool {
         (self.solved, -self.mean_iterations) > (other.solved, -other.mean_iterations)
     }
-}
-
-/// Runs the policy on every problem for at most `steps` iterations, or until feasible.
-pub fn validate(
-    network: &Network,
-    rule: ActionRule,
-    problems: &[Problem],
-    steps: usize,
-) -> Validation {
-    let firsts: Vec<Option<usize>> = problems
-        .par_iter()
-        .map_init(Scratch::default, |scratch, problem| {
-            first_feasible(network, rule, problem.clone(), steps, scratch)
-        })
-        .collect();
-    let solved = firsts.iter().flatten().count();
-    let iterations: usize = firsts.iter().flatten().sum();
-    let mean_iterations = iterations as f64 / solved.max(1) as f64;
-    Validation { tasks: problems.len(), solved, mean_iterations }
-}
-
-fn first_feasible(
-    network: &Network,
-    rule: ActionRule,
-    mut problem: Problem,
-    steps: usize,
-    scratch: &mut Scratch,
-) -> Option<usize> {
-    let dim = problem.objective.dim();
-    let (mut x, mut gradient, mut action) = (vec![0.0; dim], vec![0.0; dim], vec![0.0; dim]);
-    let mut observation = vec![0.0; problem.encoder.len(&problem.objective)];
-    let field = problem.objective.scene().field_size();
-    problem.objective.straight_line(&mut x);
-    problem.encoder.reset();
-    for index in 0..=steps {
-        if problem.objective.is_feasible(&x) {
-            return Some(index);
-        }
-        problem.observe(&x, &mut gradient, &mut observation);
-        network.forward(&observation, scratch, &mut action);
-        rule.apply(&action, field, &mut x);
-    }
-    None
 }

@@ -6,13 +6,12 @@
 
 use serde_json::Value;
 use sidestep::network::{Mlp, Network, Scratch};
-use sidestep_train::Agent;
-use sidestep_train::advantage::{Steps, generalised_advantages};
-use sidestep_train::agent::Gradient;
-use sidestep_train::cloning::{self, Samples};
-use sidestep_train::gaussian;
-use sidestep_train::optimizer::{Optimizer, OptimizerKind};
-use sidestep_train::ppo::{Minibatch, PpoConfig, clip_factor, loss_and_gradient};
+use sidestep_train::paper::agent::{Agent, Gradient};
+use sidestep_train::paper::gaussian;
+use sidestep_train::paper::stages::cloning::{self, Samples};
+use sidestep_train::paper::stages::ppo::advantage::{Steps, generalised_advantages};
+use sidestep_train::paper::stages::ppo::{Minibatch, PpoConfig, loss_and_gradient};
+use sidestep_train::parameters::{Optimizer, OptimizerKind, clip_factor};
 
 fn golden() -> Value {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../oracle/golden/ppo.json");

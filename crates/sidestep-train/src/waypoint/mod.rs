@@ -2,13 +2,9 @@
 
 mod checkpoint;
 mod config;
-mod gradient;
-mod imitation;
-mod loss;
-mod routes;
+mod stages;
 mod trainer;
 mod validation;
-mod walks;
 
 pub use config::{
     ARCHITECTURE, ImitationConfig, PolicyGradientConfig, StageConfig, StageKind, TaskConfig,

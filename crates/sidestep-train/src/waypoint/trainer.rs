@@ -12,15 +12,14 @@ use sidestep::kernels::{AdamStep, squared_norm};
 use sidestep::network::{WaypointNet, WaypointShape};
 use sidestep::policy::{ActionRule, Policy, PolicyCard};
 use sidestep::profile::Profile;
-use sidestep::rng::{Purpose, stream};
 
 use super::config::{StageKind, WaypointConfig};
-use super::gradient::Lessons;
-use super::imitation::{MEMBERS, Part, Recipe, Slot, Sums};
+use super::stages::gradient::Lessons;
+use super::stages::imitation::{MEMBERS, Part, Recipe, Slot, Sums};
+use super::stages::walks::Walker;
 use super::validation::{Tasks, WaypointValidation};
-use super::walks::Walker;
-use crate::gaussian::standard_normal;
-use crate::trainer::LICENCE;
+use crate::LICENCE;
+use crate::parameters::{he, warm_up_and_cosine};
 
 /// Optimizer steps of a unit.
 pub const UPDATES_PER_UNIT: u64 = 250;
@@ -31,10 +30,6 @@ const EPSILON: f64 = 1e-8;
 const MAX_GRADIENT_NORM: f64 = 1.0;
 /// Share of the running average that is kept per step.
 const KEPT: f32 = 0.999;
-/// Steps of a stage over which the learning rate rises.
-const WARM_UP: f64 = 500.0;
-/// Share of the highest learning rate that is left at a stage's end.
-const LAST_RATE: f64 = 0.02;
 
 /// What one unit did: a point of the training curve.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -110,7 +105,7 @@ impl WaypointTrainer {
             imitation: config.imitation.clone(),
             seed: config.seed,
         };
-        let net = WaypointNet::new(&shape, initial(&shape, config.seed)?)?;
+        let net = WaypointNet::new(&shape, he(&shape, config.seed)?)?;
         let average = net.parameters().to_vec();
         let moments = [vec![0.0; average.len()], vec![0.0; average.len()]];
         Ok(Self {
@@ -240,7 +235,7 @@ impl WaypointTrainer {
         let (mut norms, mut learning_rate) = (0.0, 0.0);
         for update in 0..UPDATES_PER_UNIT {
             let done = unit * UPDATES_PER_UNIT + update;
-            learning_rate = stage.learning_rate * schedule(done as f64, total);
+            learning_rate = stage.learning_rate * warm_up_and_cosine(done as f64, total);
             match stage.kind {
                 StageKind::Imitation => {
                     let (net, recipe) = (&self.net, &self.recipe);
@@ -362,40 +357,4 @@ fn add_up(parts: &[Part], sums: &mut Sums) -> Vec<f32> {
         sums.solved += own.solved;
     }
     total
-}
-
-/// Share of the highest learning rate after `done` of `total` steps.
-fn schedule(done: f64, total: f64) -> f64 {
-    let rise = (done + 1.0) / WARM_UP.min(0.1 * total).max(1.0);
-    let cosine = 0.5 * (1.0 + (std::f64::consts::PI * done / total).cos());
-    rise.min(1.0) * (LAST_RATE + (1.0 - LAST_RATE) * cosine)
-}
-
-/// He initialisation (2015) of rectified layers, outward layers at a half of it shared among the blocks, a small head; zero
-/// biases.
-fn initial(shape: &WaypointShape, seed: u64) -> Result<Vec<f32>, InvalidInput> {
-    let mut rng = stream(seed, Purpose::Parameters, 0, 0);
-    let mut parameters = Vec::with_capacity(shape.parameter_count()?);
-    let sizes = shape.layer_sizes();
-    let blocks = shape.dilations.len().max(1) as f32;
-    let head = 2 * shape.dilations.len() + 1;
-    let map_blocks = shape.map.as_ref().map_or(1, |map| map.dilations.len().max(1)) as f32;
-    for (index, &(inputs, outputs)) in sizes.iter().enumerate() {
-        let he = (2.0 / inputs as f32).sqrt();
-        let deviation = if index == head {
-            0.1 * he
-        } else if index > head + 1 {
-            he / map_blocks.sqrt()
-        } else if index > head {
-            he
-        } else if index > 0 && index % 2 == 0 {
-            0.5 * he / blocks.sqrt()
-        } else {
-            he
-        };
-        let draws = (0..(inputs * outputs).div_ceil(2)).flat_map(|_| standard_normal(&mut rng));
-        parameters.extend(draws.take(inputs * outputs).map(|z| deviation * z));
-        parameters.extend(std::iter::repeat_n(0.0, outputs));
-    }
-    Ok(parameters)
 }

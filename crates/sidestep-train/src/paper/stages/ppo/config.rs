@@ -2,29 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How the learning rate falls over the training.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Schedule {
-    /// Not at all.
-    #[default]
-    Constant,
-    /// lr (1 - progress).
-    Linear,
-    /// lr (1 + cos(pi progress)) / 2.
-    Cosine,
-}
-
-impl Schedule {
-    /// Factor on the learning rate at `progress` in [0, 1].
-    pub fn factor(self, progress: f64) -> f64 {
-        match self {
-            Self::Constant => 1.0,
-            Self::Linear => 1.0 - progress,
-            Self::Cosine => 0.5 * (1.0 + (std::f64::consts::PI * progress).cos()),
-        }
-    }
-}
+use crate::parameters::Schedule;
 
 /// Settings of PPO. The defaults are the paper's.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

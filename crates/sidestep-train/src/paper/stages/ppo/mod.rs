@@ -9,10 +9,10 @@
 //! Optimization" (ICLR blog track 2022; 1-13 of all PPO, c1-c9 of continuous actions), with the choices of the paper's code (Stable-Baselines3):
 //!
 //! 1. Environments run side by side and go on over updates ([`collect()`]).
-//! 2. Initialisation: see [`crate::initialization`].
-//! 3. Adam's epsilon is 1e-5 ([`crate::optimizer`]).
-//! 4. Learning rate constant, or falling to 0 over the training ([`Schedule`]).
-//! 5. Generalised advantages; returns are advantage + value ([`crate::advantage`]).
+//! 2. Initialisation: see [`crate::parameters::Initialization`].
+//! 3. Adam's epsilon is 1e-5 ([`crate::parameters::Optimizer`]).
+//! 4. Learning rate constant, or falling to 0 over the training ([`Schedule`](crate::parameters::Schedule)).
+//! 5. Generalised advantages; returns are advantage + value ([`advantage`]).
 //! 6. Minibatches are a new shuffle of all steps in each epoch; the last one may be short.
 //! 7. Advantages are normalised per minibatch, with n - 1 in the variance.
 //! 8. The clipped surrogate; the gradient is 0 where the clip decides.
@@ -22,29 +22,29 @@
 //! 12. Diagnostics: approximate KL as mean((ratio - 1) - ln ratio), clip fraction, explained variance.
 //! 13. Policy and value share no layer (also c4).
 //!
-//! c1-c3: a diagonal Gaussian with a free log-std ([`crate::gaussian`]). c5: the update is clipped on its way into
+//! c1-c3: a diagonal Gaussian with a free log-std ([`crate::paper::gaussian`]). c5: the update is clipped on its way into
 //! the trajectory, while the unclipped action and its probability are kept. c6-c9: observations and rewards are not normalised
 //! (paper). Beyond the 37: an optional stop at a target KL (Stable-Baselines3: 1.5 times the target, checked before each step).
 
+pub mod advantage;
+mod config;
 mod loss;
 pub mod repair;
 mod rollout;
-mod settings;
 
-use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use sidestep::kernels::squared_norm;
 
-use crate::agent::{Agent, Gradient};
-use crate::cloning::{self, Samples};
-use crate::gaussian;
-use crate::optimizer::Optimizer;
+use crate::paper::agent::{Agent, Gradient};
+use crate::paper::gaussian;
+use crate::paper::stages::cloning::{self, Samples};
+use crate::parameters::{Optimizer, clip_factor, shuffle_in_place};
 
+pub use config::PpoConfig;
 pub use loss::{Losses, Minibatch, loss_and_gradient};
 pub use repair::{RepairBy, RepairConfig, Repaired};
 pub use rollout::{Rollout, collect};
-pub use settings::{PpoConfig, Schedule};
 
 /// What an update saw and did.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -84,11 +84,6 @@ pub struct UpdateMetrics {
     /// Mean squared error against the repaired episodes; 0 without any.
     #[serde(default)]
     pub repair_loss: f64,
-}
-
-/// Factor that brings a gradient of this norm within the limit.
-pub fn clip_factor(norm: f32, limit: f32) -> f32 {
-    (limit / (norm + 1e-6)).min(1.0)
 }
 
 /// `config.epochs` passes of optimizer steps over what [`collect`] gathered, with `demonstrations` from repaired episodes and
@@ -185,12 +180,5 @@ impl<'a> Teacher<'a> {
         let added = self.gradient.values().iter();
         gradient.values_mut().iter_mut().zip(added).for_each(|(g, a)| *g += weight * a);
         loss
-    }
-}
-
-/// Fisher-Yates.
-pub fn shuffle_in_place(order: &mut [u32], rng: &mut ChaCha8Rng) {
-    for last in (1..order.len()).rev() {
-        order.swap(last, rng.random_range(0..=last as u32) as usize);
     }
 }

@@ -3,12 +3,12 @@
 use rayon::prelude::*;
 use sidestep::network::Scratch;
 
+use super::advantage::{Steps, generalised_advantages};
 use super::loss::Minibatch;
 use super::{PpoConfig, UpdateMetrics};
-use crate::advantage::{Steps, generalised_advantages};
-use crate::agent::Agent;
 use crate::environment::{Environment, Problem, Rules, Stuck};
-use crate::gaussian::{self, Density};
+use crate::paper::agent::Agent;
+use crate::paper::gaussian::{self, Density};
 
 /// One environment's steps of one update; each slice has one entry (or row) per step, in order.
 #[derive(Debug, Clone, Default)]
@@ -165,7 +165,7 @@ pub(super) fn summary(rollouts: &[Rollout]) -> UpdateMetrics {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::initialization::Initialization;
+    use crate::parameters::Initialization;
     use sidestep::policy::ActionRule;
     use sidestep::policy::observation::ObservationPart;
     use sidestep::profile::Profile;

@@ -24,13 +24,12 @@ use sidestep::plan::starts::StartStrategy;
 use sidestep::policy::ActionRule;
 use sidestep::rng::{Purpose, stream};
 
-use crate::agent::{Agent, Gradient};
-use crate::cloning::{self, Samples};
 use crate::environment::Problem;
-use crate::expert::{ExpertKind, Experts};
-use crate::gaussian::standard_normal;
-use crate::optimizer::Optimizer;
-use crate::ppo::{Schedule, clip_factor, shuffle_in_place};
+use crate::paper::agent::{Agent, Gradient};
+use crate::paper::expert::{ExpertKind, Experts};
+use crate::paper::stages::cloning::{self, Samples};
+use crate::parameters::{Optimizer, Schedule, clip_factor, shuffle_in_place};
+use sidestep::rng::standard_normal;
 
 pub use states::States;
 

@@ -16,10 +16,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sidestep::policy::ActionRule;
 
-use crate::cloning::Samples;
+use super::Rollout;
 use crate::environment::{Environment, Problem, Stuck};
-use crate::expert::{ExpertKind, Experts};
-use crate::ppo::Rollout;
+use crate::paper::expert::{ExpertKind, Experts};
+use crate::paper::stages::cloning::Samples;
 
 /// Who repairs failed episodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -154,11 +154,11 @@ fn walk(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::agent::Agent;
     use crate::environment::Rules;
-    use crate::expert::ExpertConfig;
-    use crate::initialization::Initialization;
-    use crate::ppo::{PpoConfig, collect};
+    use crate::paper::agent::Agent;
+    use crate::paper::expert::ExpertConfig;
+    use crate::paper::stages::ppo::{PpoConfig, collect};
+    use crate::parameters::Initialization;
     use sidestep::policy::observation::ObservationPart;
     use sidestep::profile::Profile;
     use sidestep::suite::Suite;

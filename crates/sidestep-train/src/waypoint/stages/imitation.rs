@@ -17,13 +17,12 @@ use sidestep::rng::{Purpose, stream};
 use sidestep::scene::Scene;
 use std::sync::Arc;
 
-use super::config::{ImitationConfig, TaskConfig};
 use super::loss::{Lesson, LossScratch};
-use super::routes;
-use crate::expert::routes::Target;
+use crate::routes::{Target, sparingly_grown};
+use crate::waypoint::config::{ImitationConfig, TaskConfig};
 
 /// Trajectories per task.
-pub(super) const MEMBERS: usize = 4;
+pub(crate) const MEMBERS: usize = 4;
 /// Candidate tasks that a slot may draw in a unit; keeps the slots' tasks apart.
 const TASKS_PER_SLOT: u64 = 1 << 24;
 /// Failed tasks that a slot remembers.
@@ -31,7 +30,7 @@ const MOST_FAILED: usize = 32;
 
 /// What the cases are made of, the same for all slots.
 #[derive(Debug, Clone)]
-pub(super) struct Recipe {
+pub(crate) struct Recipe {
     pub view: ViewParts,
     pub rule: ActionRule,
     pub tasks: TaskConfig,
@@ -71,7 +70,7 @@ struct Case {
 
 /// A place for one case after the other, with its buffers.
 #[derive(Debug)]
-pub(super) struct Slot {
+pub(crate) struct Slot {
     case: Case,
     draws: Draws,
     scratch: WaypointScratch,
@@ -82,7 +81,7 @@ pub(super) struct Slot {
 
 /// What some tasks of an update add up to; parts are made in parallel and added up in order.
 #[derive(Debug, Default)]
-pub(super) struct Part {
+pub(crate) struct Part {
     pub gradient: Vec<f32>,
     pub sums: Sums,
 }
@@ -98,7 +97,7 @@ impl Part {
 
 /// Sums over the steps of an update.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Sums {
+pub(crate) struct Sums {
     /// Trajectory steps.
     pub steps: f64,
     /// Loss.
@@ -239,7 +238,7 @@ impl Draws {
                 continue;
             }
             let Ok(objective) = Objective::new(&task, scene, self.waypoints) else { continue };
-            let targets = routes::targets(&task, &objective, &mut own);
+            let targets = sparingly_grown::targets(&task, &objective, &mut own);
             if targets.is_empty() {
                 continue;
             }

@@ -14,6 +14,8 @@ use sidestep::plane::geometry::{Point, distance};
 use sidestep::rng::{Purpose, stream};
 use sidestep::{Obstacle, Robot, Route, ShortestPath, Task, World};
 
+use super::{Target, mean_distance};
+
 /// Margins to obstacles in 64ths of the field (pixels of the paper's), tried in this order.
 const MARGINS: [f64; 5] = [2.5, 1.5, 0.8, 0.35, 0.05];
 /// A margin m is taken if its path is no longer than `STRETCH L + SLACK m + ROOM` pixels, L being the shortest.
@@ -25,34 +27,8 @@ const ALTERNATIVE_STRETCH: f64 = 1.6;
 const ALTERNATIVE_ROOM: f64 = 12.0;
 /// Mean distance of waypoints, in normalised units (5 pixels), from which on two routes are different.
 const DIFFERENT: f32 = 0.5;
-/// How much of a route's extra length counts against it, beside its mean distance from the trajectory.
-const EXTRA: f32 = 0.15;
 /// Via-points drawn for each alternative wanted.
 const DRAWS: usize = 4;
-
-/// A route as an expert follows it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Target {
-    /// The waypoints, `[N x 2]`, normalised units.
-    pub waypoints: Vec<f32>,
-    /// Length beyond the shortest path's, normalised units.
-    pub extra: f32,
-}
-
-/// The route nearest to the waypoints `x [N x 2]`: least mean distance plus a share of the extra length. Following the nearest
-/// and not the shortest keeps the two sides of an obstacle from averaging into it.
-pub fn nearest<'a>(targets: &'a [Target], x: &[f32]) -> Option<&'a [f32]> {
-    let score = |target: &Target| mean_distance(&target.waypoints, x) + EXTRA * target.extra;
-    let best = targets.iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;
-    Some(&best.waypoints)
-}
-
-/// Mean distance of the waypoints of two trajectories `[N x 2]`.
-pub fn mean_distance(a: &[f32], b: &[f32]) -> f32 {
-    let (a, b) = (a.as_chunks::<2>().0, b.as_chunks::<2>().0);
-    let sum: f32 = a.iter().zip(b).map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1])).sum();
-    sum / a.len().max(1) as f32
-}
 
 /// The routes of a task, the shortest first; none where there is no path or none that N waypoints can follow.
 pub fn find(
@@ -215,6 +191,7 @@ fn on_corners(corners: &[[f32; 2]], out: &mut [[f32; 2]]) -> Option<()> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::nearest;
     use super::*;
     use sidestep::profile::Profile;
     use sidestep::scene::Scene;

@@ -8,9 +8,9 @@ use sidestep::profile::Profile;
 use sidestep::suite::Suite;
 
 use super::TrainConfig;
-use super::range::{above_zero, refuse, training_seed, validation_seed, within};
+use crate::config::range::{above_zero, refuse, training_seed, validation_seed, within};
 use crate::environment::Rules;
-use crate::ppo::RepairBy;
+use crate::paper::stages::ppo::RepairBy;
 
 /// Most numbers in the observations of one update or of cloning (4 GB of f32).
 const MAX_NUMBERS: usize = 1 << 30;

@@ -11,22 +11,21 @@ use sidestep::rng::{Purpose, stream};
 use sidestep::scene::Scene;
 use std::sync::Arc;
 
-use super::config::PolicyGradientConfig;
 use super::imitation::{Recipe, Sums};
 use super::loss::PIXEL;
-use super::routes;
-use crate::expert::routes::Target;
-use crate::gaussian::standard_normal;
+use crate::routes::{Target, sparingly_grown};
+use crate::waypoint::config::PolicyGradientConfig;
+use sidestep::rng::standard_normal;
 
 /// Shapes of noise along the trajectory.
-pub(super) const MODES: usize = 8;
+pub(crate) const MODES: usize = 8;
 
 /// Walks of a task that are repaired.
 const REPAIRED: usize = 2;
 
 /// One walk and what it is worth.
 #[derive(Debug, Clone)]
-pub(super) struct Walk {
+pub(crate) struct Walk {
     x: Vec<f32>,
     pub view: WaypointView,
     /// Steps until it was free.
@@ -43,7 +42,7 @@ pub(super) struct Walk {
 
 /// What is learned from a walk.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Worth {
+pub(crate) enum Worth {
     /// Nothing: all walks of the task are worth the same.
     Nothing,
     /// To do more of the same, or less: A.
@@ -54,7 +53,7 @@ pub(super) enum Worth {
 
 /// The walks on one task.
 #[derive(Debug)]
-pub(super) struct Walked {
+pub(crate) struct Walked {
     pub waypoints: usize,
     pub shapes: Shapes,
     pub map: Option<TaskMap>,
@@ -66,7 +65,7 @@ pub(super) struct Walked {
 
 /// What all walks have in common.
 #[derive(Clone, Copy)]
-pub(super) struct Walker<'a> {
+pub(crate) struct Walker<'a> {
     pub net: &'a WaypointNet,
     pub recipe: &'a Recipe,
     pub settings: &'a PolicyGradientConfig,
@@ -160,7 +159,7 @@ impl Walker<'_> {
         }
         let mut targets = Vec::new();
         if settings.repair > 0.0 && walks.iter().all(|walk| walk.solved.is_none()) {
-            targets = routes::targets(&task, &objective, &mut rng);
+            targets = sparingly_grown::targets(&task, &objective, &mut rng);
             if !targets.is_empty() {
                 walks.iter_mut().take(REPAIRED).for_each(|walk| walk.worth = Worth::Repair);
             }
@@ -261,7 +260,7 @@ impl Walker<'_> {
 
 /// The noise modes over the waypoints; orthogonal where there are no fewer waypoints than modes.
 #[derive(Debug)]
-pub(super) struct Shapes {
+pub(crate) struct Shapes {
     pub values: [Vec<f32>; MODES],
     pub squares: [f32; MODES],
 }

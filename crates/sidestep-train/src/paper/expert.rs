@@ -1,12 +1,10 @@
 //! Experts: what a policy that is being trained should have answered.
 //!
 //! - gradient descent, -γ ∂U with the profile's step (what the paper cloned) or with a tuned one;
-//! - the exact shortest path: an update towards the nearest of several routes ([`routes`]).
+//! - the exact shortest path: an update towards the nearest of several routes ([`crate::routes`]).
 //!
-//! The expert answers at any trajectory, not only along its own: that is what DAgger ([`crate::dagger`]) and the repair of
-//! failed episodes ([`crate::ppo::repair`]) ask of it.
-
-pub mod routes;
+//! The expert answers at any trajectory, not only along its own: that is what DAgger ([`crate::paper::stages::dagger`]) and the repair of
+//! failed episodes ([`crate::paper::stages::ppo::repair`]) ask of it.
 
 use std::sync::OnceLock;
 
@@ -15,7 +13,7 @@ use sidestep::Task;
 use sidestep::policy::ActionRule;
 
 use crate::environment::Problem;
-use routes::Target;
+use crate::routes::{Target, evenly_grown, nearest};
 
 /// Who shows what to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -81,7 +79,7 @@ impl Experts {
             ExpertKind::GradientDescent => problem.objective.scene().profile().gradient_step as f32,
             ExpertKind::TunedGradientDescent => self.config.step,
             ExpertKind::ShortestPath => {
-                let Some(target) = routes::nearest(self.routes(index, problem), x) else {
+                let Some(target) = nearest(self.routes(index, problem), x) else {
                     return false;
                 };
                 for ((answer, x), target) in answer.iter_mut().zip(x).zip(target) {
@@ -106,7 +104,7 @@ impl Experts {
         self.routes[index].get_or_init(|| {
             let task = &self.tasks[index];
             let streams = (self.seed, index as u64);
-            routes::find(task, &problem.objective, self.config.alternatives, streams)
+            evenly_grown::find(task, &problem.objective, self.config.alternatives, streams)
         })
     }
 }

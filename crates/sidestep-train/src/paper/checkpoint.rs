@@ -9,11 +9,11 @@ use sidestep::InvalidInput;
 use sidestep::policy::tensors::{self, Reader, Tensor};
 use sidestep::policy::{network_tensors, parameter_tensors, read_network, read_parameters};
 
-use crate::config::TrainConfig;
-use crate::dagger::States;
 use crate::environment::{Problem, Saved};
-use crate::optimizer::Optimizer;
-use crate::trainer::{Best, Progress, Trainer};
+use crate::paper::config::TrainConfig;
+use crate::paper::stages::dagger::States;
+use crate::paper::trainer::{Best, Progress, Trainer};
+use crate::parameters::Optimizer;
 use crate::validation::Validation;
 
 /// The version of the checkpoints that this program writes and reads.

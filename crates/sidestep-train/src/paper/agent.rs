@@ -12,8 +12,7 @@ use sidestep::network::{Cnn, FEATURES, Mlp, Network, Scratch};
 use sidestep::policy::observation::ObservationPart;
 use sidestep::rng::{Purpose, stream};
 
-use crate::initialization::{Initialization, Role};
-use crate::optimizer::Optimizer;
+use crate::parameters::{Initialization, Optimizer, Role};
 
 /// Policy, value and log-std.
 #[derive(Debug, Clone, PartialEq)]

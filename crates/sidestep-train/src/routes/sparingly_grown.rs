@@ -10,7 +10,7 @@ use sidestep::objective::Objective;
 use sidestep::plane::geometry::{Point, Rect, cross, distance, lerp, sub};
 use sidestep::{Certifier, Obstacle, Robot, Route, ShortestPath, Task, Trajectory, World};
 
-use crate::expert::routes::{Target, mean_distance};
+use super::{Target, mean_distance};
 
 /// Margins that are tried, widest first, in normalised units.
 const MARGINS: [f64; 5] = [0.25, 0.15, 0.08, 0.035, 0.005];
@@ -24,7 +24,7 @@ const APART: f32 = 0.5;
 const PULLS: usize = 24;
 
 /// The trajectories for a task of rectangles, best first; none if the task has no solution that leaves any room.
-pub(super) fn targets(task: &Task, objective: &Objective, rng: &mut ChaCha8Rng) -> Vec<Target> {
+pub fn targets(task: &Task, objective: &Objective, rng: &mut ChaCha8Rng) -> Vec<Target> {
     let scale = objective.scene().frame().scale;
     let truth = objective.scene().certifier();
     let route = objective.scene().shortest_path().find(task.start, task.goal);

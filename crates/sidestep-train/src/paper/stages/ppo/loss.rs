@@ -1,8 +1,8 @@
 //! The clipped surrogate, the value loss and the entropy of one minibatch, with their gradient.
 
 use super::PpoConfig;
-use crate::agent::{Agent, Gradient, Sums, Worker};
-use crate::gaussian::{self, Density};
+use crate::paper::agent::{Agent, Gradient, Sums, Worker};
+use crate::paper::gaussian::{self, Density};
 
 /// Steps drawn for one optimizer step, gathered row by row.
 #[derive(Debug, Clone, Default)]

@@ -1,7 +1,7 @@
 //! A training, one unit at a time: epochs of cloning, rounds of DAgger, updates of PPO (paper, section II.B).
 //!
 //! A [`Trainer`] holds the complete state and touches neither files nor clock: the caller writes checkpoints and shows
-//! progress. A checkpoint after any unit goes on to the same bits as if nothing had happened ([`crate::checkpoint`]).
+//! progress. A checkpoint after any unit goes on to the same bits as if nothing had happened ([`crate::paper::checkpoint`]).
 
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -11,18 +11,17 @@ use sidestep::rng::{Purpose, stream};
 use sidestep::suite::Suite;
 use sidestep::{InvalidInput, Task, network::Network};
 
-use crate::agent::Agent;
-use crate::cloning::{self, Samples};
-use crate::config::{Setup, TrainConfig};
-use crate::dagger::{self, Rate, States, Surroundings};
+use crate::LICENCE;
 use crate::environment::{Environment, Problem};
-use crate::expert::Experts;
-use crate::optimizer::{Optimizer, OptimizerKind};
-use crate::ppo::{self, Rollout, UpdateMetrics};
-use crate::validation::{Validation, validate};
-
-/// Licence of the weights that training makes.
-pub(crate) const LICENCE: &str = "MIT OR Apache-2.0";
+use crate::paper::agent::Agent;
+use crate::paper::config::{Setup, TrainConfig};
+use crate::paper::expert::Experts;
+use crate::paper::stages::cloning::{self, Samples};
+use crate::paper::stages::dagger::{self, Rate, States, Surroundings};
+use crate::paper::stages::ppo::{self, Rollout, UpdateMetrics};
+use crate::paper::validation::validate;
+use crate::parameters::{Optimizer, OptimizerKind};
+use crate::validation::Validation;
 
 /// Which part of the training a unit belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

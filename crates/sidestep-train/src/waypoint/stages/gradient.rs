@@ -15,7 +15,7 @@
 //! walks all end alike teach nothing.
 //!
 //! Where no walk of a task got through there is nothing to compare; then some of its walks are learned from by imitation ([`super::loss`]),
-//! as repair does for PPO ([`crate::ppo`]).
+//! as repair does for PPO ([`crate::paper::stages::ppo`]).
 //!
 //! After the first epoch the output has moved from what was walked by, so that the same step is another noise, and counts by the
 //! ratio of densities, clipped as PPO does:
@@ -31,11 +31,11 @@ use sidestep::objective::Objective;
 use super::imitation::Part;
 use super::loss::{Lesson, LossScratch};
 use super::walks::{MODES, Shapes, Walk, Walked, Walker, Worth};
-use crate::expert::routes::Target;
+use crate::routes::Target;
 
 /// The walks on some tasks of an update, with the buffers to learn from them.
 #[derive(Debug, Default)]
-pub(super) struct Lessons {
+pub(crate) struct Lessons {
     scratch: WaypointScratch,
     walked: Vec<Walked>,
     /// Outputs that each walk that teaches was walked by, in order.
@@ -179,9 +179,9 @@ fn repair(
 
 #[cfg(test)]
 mod tests {
-    use super::super::config::{TaskConfig, WaypointConfig};
-    use super::super::imitation::Recipe;
     use super::*;
+    use crate::waypoint::config::{TaskConfig, WaypointConfig};
+    use crate::waypoint::stages::imitation::Recipe;
     use sidestep::network::{WaypointNet, WaypointShape};
     use sidestep::plane::view::ViewParts;
     use sidestep::policy::ActionRule;

@@ -12,15 +12,15 @@
 use sidestep::objective::Objective;
 use sidestep::plane::distance::Sampler;
 
-use crate::expert::routes::{Target, nearest};
+use crate::routes::{Target, nearest};
 
 /// A pixel of the paper's field in normalised units.
-pub(super) const PIXEL: f32 = 0.1;
+pub(crate) const PIXEL: f32 = 0.1;
 /// Points of each segment that the hinge sees.
 const HINGE_POINTS: usize = 7;
 
 /// A task's part of the loss.
-pub(super) struct Lesson<'a> {
+pub(crate) struct Lesson<'a> {
     pub objective: &'a Objective,
     pub targets: &'a [Target],
     /// Direction from start to goal.
@@ -32,7 +32,7 @@ pub(super) struct Lesson<'a> {
 
 /// Buffers of the loss.
 #[derive(Debug, Default)]
-pub(super) struct LossScratch {
+pub(crate) struct LossScratch {
     sampler: Sampler,
     pull: Vec<[f32; 2]>,
 }
@@ -126,7 +126,7 @@ impl Lesson<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::waypoint::routes;
+    use crate::routes::sparingly_grown;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
     use sidestep::plane::view::{Look, Probes, WaypointView};
@@ -148,7 +148,7 @@ mod tests {
             let scene = Arc::new(Scene::of(&task, &Profile::DEFAULT));
             let objective = Objective::new(&task, scene, 10).unwrap();
             let mut rng = ChaCha8Rng::seed_from_u64(index);
-            let targets = routes::targets(&task, &objective, &mut rng);
+            let targets = sparingly_grown::targets(&task, &objective, &mut rng);
             let mut before = vec![0.0; 20];
             objective.straight_line(&mut before);
             let outputs: Vec<[f32; 2]> = (0..10).map(|_| standard_normal(&mut rng)).collect();

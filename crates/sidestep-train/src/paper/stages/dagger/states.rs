@@ -5,8 +5,8 @@
 
 use rayon::prelude::*;
 
-use crate::cloning::Samples;
 use crate::environment::Problem;
+use crate::paper::stages::cloning::Samples;
 
 /// States with the expert's answers, oldest first; each list has one row per state.
 #[derive(Debug, Clone, PartialEq, Default)]

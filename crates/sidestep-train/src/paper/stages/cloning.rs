@@ -14,11 +14,10 @@ use serde::{Deserialize, Serialize};
 use sidestep::plan::starts::StartStrategy;
 use sidestep::rng::{Purpose, stream};
 
-use crate::agent::{Agent, Gradient, Sums, Worker};
 use crate::environment::Problem;
-use crate::gaussian::standard_normal;
-use crate::optimizer::{Optimizer, OptimizerKind};
-use crate::ppo::shuffle_in_place;
+use crate::paper::agent::{Agent, Gradient, Sums, Worker};
+use crate::parameters::{Optimizer, OptimizerKind, shuffle_in_place};
+use sidestep::rng::standard_normal;
 
 /// What is compared with the target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

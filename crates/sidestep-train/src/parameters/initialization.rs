@@ -11,7 +11,7 @@ use sidestep::InvalidInput;
 use sidestep::network::{Cnn, Mlp, Network};
 use sidestep::policy::observation::{ObservationPart, image_place};
 
-use crate::gaussian::standard_normal;
+use sidestep::rng::standard_normal;
 
 /// How weights begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

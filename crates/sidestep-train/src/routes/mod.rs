@@ -1,0 +1,34 @@
+//! Routes of a task as trajectories of N waypoints: what experts follow.
+//!
+//! Two ways to find them, by how obstacles are grown before the search. They shape what was trained with them, so neither
+//! replaces the other.
+
+pub mod evenly_grown;
+pub mod sparingly_grown;
+
+/// How much of a route's extra length counts against it, beside its mean distance from the trajectory.
+const EXTRA: f32 = 0.15;
+
+/// A route as an expert follows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Target {
+    /// The waypoints, `[N x 2]`, normalised units.
+    pub waypoints: Vec<f32>,
+    /// Length beyond the shortest path's, normalised units.
+    pub extra: f32,
+}
+
+/// The route nearest to the waypoints `x [N x 2]`: least mean distance plus a share of the extra length. Following the nearest
+/// and not the shortest keeps the two sides of an obstacle from averaging into it.
+pub fn nearest<'a>(targets: &'a [Target], x: &[f32]) -> Option<&'a [f32]> {
+    let score = |target: &Target| mean_distance(&target.waypoints, x) + EXTRA * target.extra;
+    let best = targets.iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;
+    Some(&best.waypoints)
+}
+
+/// Mean distance of the waypoints of two trajectories `[N x 2]`.
+pub fn mean_distance(a: &[f32], b: &[f32]) -> f32 {
+    let (a, b) = (a.as_chunks::<2>().0, b.as_chunks::<2>().0);
+    let sum: f32 = a.iter().zip(b).map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1])).sum();
+    sum / a.len().max(1) as f32
+}
