@@ -16,6 +16,7 @@ pub mod profile;
 pub mod rng;
 mod robot;
 pub mod scene;
+pub mod space;
 pub mod suite;
 mod task;
 mod trajectory;

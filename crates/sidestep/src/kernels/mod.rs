@@ -27,7 +27,7 @@ pub use adam::AdamStep;
 pub use norm::squared_norm;
 
 /// Lanes of an accumulator: one AVX-512 register, two of AVX2, four of SSE2 or NEON.
-pub(crate) const LANES: usize = 16;
+pub const LANES: usize = 16;
 
 /// `ISA` of a body compiled for the target's baseline.
 pub(crate) const PORTABLE: u8 = 0;

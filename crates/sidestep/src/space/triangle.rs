@@ -1,0 +1,83 @@
+//! Distance from a point to a triangle, f64.
+//!
+//! With unit normal n and unit outward edge normals m_i in the triangle's plane: a point whose
+//! projection lies behind all three edges is `|n (p - a)|` away, any other as far as the nearest
+//! edge (C. Ericson, "Real-Time Collision Detection", 5.1, in the form of planes, whose errors
+//! shift the result by no more than themselves, however thin the triangle is).
+
+use super::vector::{Vector, cross, dot, norm, scale, sub, unit};
+
+/// Triangles lower than this share of their longest side are treated as their sides alone.
+const THINNEST: f64 = 1e-9;
+
+/// A triangle with what its distance needs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Triangle {
+    pub(super) corners: [Vector; 3],
+    /// Unit normal, right-handed about the corners; zero if the triangle is too thin to have one.
+    pub(super) normal: Vector,
+    /// Edge i goes from corner i to corner i + 1.
+    pub(super) edges: [Edge; 3],
+}
+
+/// A side of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Edge {
+    /// From its corner to the next, not normalised.
+    pub(super) along: Vector,
+    /// `1 / |along|^2`, or zero if the corners are one point.
+    pub(super) inverse_square: f64,
+    /// Unit vector in the triangle's plane, away from the triangle; zero if there is no plane.
+    pub(super) outward: Vector,
+}
+
+impl Triangle {
+    /// From its corners, in either order round.
+    pub(super) fn new(corners: [Vector; 3]) -> Self {
+        let along = [0, 1, 2].map(|i| sub(corners[(i + 1) % 3], corners[i]));
+        let longest = along.iter().map(|&e| norm(e)).fold(0.0, f64::max);
+        // Twice the area; its height over the longest side is area / longest.
+        let area = cross(along[0], along[1]);
+        let thin = norm(area) <= THINNEST * longest * longest;
+        let normal = unit(area).filter(|_| !thin).unwrap_or([0.0; 3]);
+        let edges = along.map(|along| {
+            let square = dot(along, along);
+            Edge {
+                along,
+                inverse_square: if square >= f64::MIN_POSITIVE { 1.0 / square } else { 0.0 },
+                outward: unit(cross(along, normal)).unwrap_or([0.0; 3]),
+            }
+        });
+        Self { corners, normal, edges }
+    }
+
+    /// Whether it is so thin that it has no normal.
+    pub(super) fn is_thin(&self) -> bool {
+        self.normal == [0.0; 3]
+    }
+
+    /// Distance and unit direction from the nearest point of the triangle to `p`; on the triangle,
+    /// its normal.
+    pub(super) fn distance(&self, p: Vector) -> (f64, Vector) {
+        let from = self.corners.map(|corner| sub(p, corner));
+        if !self.is_thin() && (0..3).all(|i| dot(self.edges[i].outward, from[i]) <= 0.0) {
+            let height = dot(self.normal, from[0]);
+            return (height.abs(), scale(self.normal, 1.0_f64.copysign(height)));
+        }
+        let mut nearest = (f64::INFINITY, [0.0; 3]);
+        for (edge, from) in self.edges.iter().zip(from) {
+            let t = (dot(edge.along, from) * edge.inverse_square).clamp(0.0, 1.0);
+            let across = sub(from, scale(edge.along, t));
+            let square = dot(across, across);
+            if square < nearest.0 {
+                nearest = (square, across);
+            }
+        }
+        let distance = nearest.0.sqrt();
+        match unit(nearest.1) {
+            Some(direction) => (distance, direction),
+            None if self.is_thin() => (distance, [0.0, 0.0, 1.0]),
+            None => (distance, self.normal),
+        }
+    }
+}
