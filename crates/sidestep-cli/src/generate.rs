@@ -45,17 +45,13 @@ pub fn run(args: &GenerateArgs, global: &Global) -> Result<(), Failure> {
         let allowed = format!("a number from 1 to {MAX_COUNT}");
         return Err(InvalidInput::new("--count", args.count, allowed).into());
     }
-    output::check_writable([&args.out])?;
+    output::check_outputs(&[("--out", &args.out)], &[])?;
     let tasks = suite.generate(args.count, args.seed, &profile);
     output::write_file(&args.out, write_tasks(&tasks, format).as_bytes())?;
     if !global.quiet {
-        eprintln!(
-            "{} tasks of {} (seed {}): {}",
-            tasks.len(),
-            args.suite,
-            args.seed,
-            args.out.display()
-        );
+        let GenerateArgs { suite, seed, out, .. } = args;
+        let out = out.display();
+        output::tell(&format!("{} tasks of {suite} (seed {seed}): {out}", tasks.len()));
     }
     Ok(())
 }

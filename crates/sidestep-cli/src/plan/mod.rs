@@ -1,7 +1,6 @@
 //! `sidestep plan`: one task, one certified plan or the reason why not.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -106,8 +105,7 @@ pub struct Step {
 }
 
 /// Plans, prints and draws.
-pub fn run(args: &PlanArgs, global: &Global) -> Result<ExitCode, Failure> {
-    output::check_writable([&args.out, &args.png, &args.svg].into_iter().flatten())?;
+pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
     let ends = (args.start, args.goal);
     let mut tasks = input::read(&args.input, &args.from, ends, args.planning.seed)?;
     if args.index >= tasks.len() {
@@ -135,9 +133,9 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<ExitCode, Failure> {
         output::print(&describe(&answer))?;
     }
     Ok(match status {
-        Status::Solved => ExitCode::SUCCESS,
-        Status::Invalid(_) => ExitCode::from(2),
-        Status::Unsolved(_) | Status::Unsolvable(_) => ExitCode::from(1),
+        Status::Solved => 0,
+        Status::Invalid(_) => 2,
+        Status::Unsolved(_) | Status::Unsolvable(_) => 1,
     })
 }
 

@@ -1,0 +1,108 @@
+//! The `sidestep` program as a library: one file per verb, and [`main_with`], which runs it. So a
+//! package for another language can carry the program without a second executable.
+//!
+//! Exit codes: 0 done, or a certified plan; 1 no certified plan, the status says why; 2 bad input
+//! or usage, or a result that could not be written. With `--json`, standard output holds one JSON
+//! document and nothing else; progress and messages go to standard error. An output that nobody
+//! reads (a closed pipe) and messages that cannot be shown change no exit code.
+
+mod bench;
+mod experiment;
+mod failure;
+mod generate;
+mod input;
+mod machine;
+mod oracle;
+mod output;
+mod plan;
+mod planning;
+mod table;
+mod threads;
+mod train;
+
+use std::ffi::OsString;
+
+use clap::{Args, Parser, Subcommand};
+
+use failure::Failure;
+
+/// Optimisation-based motion planning with classical and learned optimizers.
+#[derive(Parser)]
+#[command(name = "sidestep", version, propagate_version = true)]
+struct Cli {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+/// Flags that every verb takes.
+#[derive(Args, Clone)]
+struct Global {
+    /// Threads to use, at most 1024; 0 uses all cores. Results do not depend on it
+    #[arg(long, global = true, default_value_t = 0, allow_negative_numbers = true)]
+    threads: usize,
+    /// No progress bars or messages
+    #[arg(long, global = true)]
+    quiet: bool,
+    /// Print one JSON document on standard output
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Plan one task and certify the plan
+    Plan(plan::PlanArgs),
+    /// Write the tasks of a suite to a file
+    Generate(generate::GenerateArgs),
+    /// Measure planners on suites or task files
+    Bench(bench::BenchArgs),
+    /// Render a report as a table
+    Table(table::TableArgs),
+    /// Train and measure what an experiment file names
+    Experiment(experiment::ExperimentArgs),
+    /// Train a policy
+    Train(train::TrainArgs),
+    /// Exact shortest path of each task, or the proof that there is none
+    Oracle(oracle::OracleArgs),
+}
+
+/// Runs the program on a command line that begins with the program's name, and answers its exit
+/// code. The threads of the first call serve every later one in the same process.
+pub fn main_with<I>(arguments: I) -> u8
+where
+    I: IntoIterator,
+    I::Item: Into<OsString> + Clone,
+{
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(message) => {
+            // Help and usage that cannot be shown are nobody's mistake.
+            let _ = message.print();
+            return if message.use_stderr() { 2 } else { 0 };
+        }
+    };
+    match run(cli) {
+        Ok(code) => code,
+        Err(Failure(message)) => {
+            output::tell(&format!("error: {message}"));
+            2
+        }
+    }
+}
+
+fn run(cli: Cli) -> Result<u8, Failure> {
+    let global = &cli.global;
+    threads::start(global.threads)?;
+    let done = |()| 0;
+    match cli.verb {
+        Verb::Plan(args) => plan::run(&args, global),
+        Verb::Generate(args) => generate::run(&args, global).map(done),
+        Verb::Bench(args) => bench::run(&args, global).map(done),
+        Verb::Table(args) => table::run(&args).map(done),
+        Verb::Experiment(args) => experiment::run(&args, global).map(done),
+        Verb::Train(args) => train::run(&args, global).map(done),
+        Verb::Oracle(args) => oracle::run(&args, global).map(done),
+    }
+}
