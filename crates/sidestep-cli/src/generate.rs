@@ -1,24 +1,25 @@
 //! `sidestep generate`: the tasks of a suite as a file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sidestep::InvalidInput;
+use serde::Serialize;
 use sidestep::profile::Profile;
 use sidestep::suite::Suite;
+use sidestep::{InvalidInput, Task};
 use sidestep_io::{TaskFormat, write_tasks};
 
 use crate::Global;
 use crate::failure::Failure;
 use crate::output;
 
-/// Most tasks that one call writes.
-const MAX_COUNT: usize = 10_000_000;
+/// Most tasks that one call draws: a gigabyte of them.
+pub const MAX_COUNT: usize = 1_000_000;
 
 /// Arguments of `generate`.
 #[derive(Args)]
 pub struct GenerateArgs {
-    /// easy, hard, hard-training, mix or time
+    /// easy, hard, hard-training, mix, time or varied
     #[arg(long)]
     suite: String,
     /// Number of tasks
@@ -35,6 +36,15 @@ pub struct GenerateArgs {
     out: PathBuf,
 }
 
+/// What was written, as JSON.
+#[derive(Serialize)]
+struct Written<'a> {
+    suite: &'static str,
+    seed: u64,
+    tasks: usize,
+    out: &'a Path,
+}
+
 /// Writes the file.
 pub fn run(args: &GenerateArgs, global: &Global) -> Result<(), Failure> {
     let suite = Suite::named(&args.suite)?;
@@ -46,12 +56,27 @@ pub fn run(args: &GenerateArgs, global: &Global) -> Result<(), Failure> {
         return Err(InvalidInput::new("--count", args.count, allowed).into());
     }
     output::check_outputs(&[("--out", &args.out)], &[])?;
-    let tasks = suite.generate(args.count, args.seed, &profile);
+    let tasks = draw(&suite, args.count, args.seed, &profile, global.quiet);
     output::write_file(&args.out, write_tasks(&tasks, format).as_bytes())?;
-    if !global.quiet {
+    if global.json {
+        let written =
+            Written { suite: suite.name(), seed: args.seed, tasks: tasks.len(), out: &args.out };
+        output::print_json(&written)?;
+    } else if !global.quiet {
         let GenerateArgs { suite, seed, out, .. } = args;
         let out = out.display();
         output::tell(&format!("{} tasks of {suite} (seed {seed}): {out}", tasks.len()));
     }
     Ok(())
+}
+
+/// Draws the tasks of a suite under a progress bar.
+pub fn draw(suite: &Suite, count: usize, seed: u64, profile: &Profile, quiet: bool) -> Vec<Task> {
+    let label = format!("tasks of {}, seed {seed}", suite.name());
+    let bar = output::progress(&label, count as u64, quiet);
+    // A batch may hold more than are asked for.
+    let kept = || bar.inc(u64::from(bar.position() < count as u64));
+    let tasks = suite.generate_watched(count, seed, profile, &kept);
+    bar.finish_and_clear();
+    tasks
 }

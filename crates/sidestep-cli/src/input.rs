@@ -1,7 +1,7 @@
 //! Tasks from whatever file a person has.
 
-use std::path::Path;
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 
 use clap::Args;
 use sidestep::plane::geometry::Point;
@@ -17,7 +17,7 @@ use crate::failure::Failure;
 pub struct InputArgs {
     /// A disc robot of this radius in place of the file's, in task units [default for BARN worlds:
     /// 0.333, the disc around a Clearpath Jackal]
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, alias = "radius", allow_negative_numbers = true)]
     robot_radius: Option<f64>,
     /// Treat unknown cells of a ROS map as free
     #[arg(long)]
@@ -25,6 +25,32 @@ pub struct InputArgs {
     /// Ask a map alone this many questions, start and goal drawn by --seed where the robot may stand
     #[arg(long, value_name = "N")]
     random_queries: Option<usize>,
+    /// Every file that was read for the tasks, such as a map's image.
+    #[arg(skip)]
+    files: Arc<Mutex<Vec<PathBuf>>>,
+}
+
+impl InputArgs {
+    /// Every file that was read for the tasks so far: outputs must not replace them.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.files.lock().map_or_else(|_| Vec::new(), |files| files.clone())
+    }
+
+    /// Reads a file, and remembers that it was.
+    fn load(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+        if let Ok(mut files) = self.files.lock() {
+            files.push(path.into());
+        }
+        std::fs::read(path)
+    }
+
+    fn bytes(&self, path: &Path) -> Result<Vec<u8>, Failure> {
+        self.load(path).map_err(|error| unreadable(path, &error))
+    }
+
+    fn text(&self, path: &Path) -> Result<String, Failure> {
+        as_text(path, self.bytes(path)?)
+    }
 }
 
 /// Most random queries of one file.
@@ -44,10 +70,10 @@ pub fn read(
     let map = |world| map_tasks(path, world, robot, args, ends, seed);
     let mut tasks = match extension.as_str() {
         "json" | "jsonl" | "ndjson" => read_json(path, args)?,
-        "scen" => read_scenario(path, robot)?,
-        "map" => map(movingai_world(path)?)?,
+        "scen" => read_scenario(path, args, robot)?,
+        "map" => map(movingai_world(path, args)?)?,
         "yaml" | "yml" => map(ros_world(path, args)?)?,
-        "dat" => read_mpnet(path, robot, seed)?,
+        "dat" => read_mpnet(path, args, robot, seed)?,
         _ => {
             let known = "a name that ends in .json, .jsonl, .map, .scen, .yaml, .yml or .dat";
             return Err(Failure::file(path, format!("unknown kind of file; expected {known}")));
@@ -70,19 +96,23 @@ pub fn read(
     Ok(tasks)
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
-    std::fs::read(path).map_err(|error| Failure::file(path, format!("cannot be read ({error})")))
+fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::file(path, format!("cannot be read ({error})"))
+}
+
+fn as_text(path: &Path, bytes: Vec<u8>) -> Result<String, Failure> {
+    String::from_utf8(bytes)
+        .map_err(|error| Failure::file(path, format!("is not UTF-8 text ({error})")))
 }
 
 /// The text of a file.
 pub fn read_text(path: &Path) -> Result<String, Failure> {
-    String::from_utf8(read_bytes(path)?)
-        .map_err(|error| Failure::file(path, format!("is not UTF-8 text ({error})")))
+    as_text(path, std::fs::read(path).map_err(|error| unreadable(path, &error))?)
 }
 
 /// Tasks in our own format, or BARN worlds.
 fn read_json(path: &Path, args: &InputArgs) -> Result<Vec<Task>, Failure> {
-    let text = read_text(path)?;
+    let text = args.text(path)?;
     if barn::is_barn(&text) {
         let radius = args.robot_radius.unwrap_or(barn::JACKAL_RADIUS);
         return barn::read(&text, radius).map_err(|error| Failure::file(path, error));
@@ -93,27 +123,32 @@ fn read_json(path: &Path, args: &InputArgs) -> Result<Vec<Task>, Failure> {
 }
 
 /// MPNet's Simple2D: the worlds' file, with the blocks' file `obs.dat` beside it.
-fn read_mpnet(path: &Path, robot: Robot, seed: u64) -> Result<Vec<Task>, Failure> {
+fn read_mpnet(
+    path: &Path,
+    args: &InputArgs,
+    robot: Robot,
+    seed: u64,
+) -> Result<Vec<Task>, Failure> {
     let blocks = path.with_file_name("obs.dat");
     if path == blocks {
         let need = "holds MPNet's blocks only; give the worlds' file, obs_perm2.dat, beside it";
         return Err(Failure::file(path, need));
     }
-    let worlds = Simple2d::read(&read_bytes(&blocks)?, &read_bytes(path)?)
+    let worlds = Simple2d::read(&args.bytes(&blocks)?, &args.bytes(path)?)
         .map_err(|error| Failure::file(path, error))?;
     let task = |index| worlds.task(index, robot, seed).map_err(|error| Failure::file(path, error));
     (0..worlds.len()).map(task).collect()
 }
 
-fn movingai_world(path: &Path) -> Result<Arc<World>, Failure> {
+fn movingai_world(path: &Path, args: &InputArgs) -> Result<Arc<World>, Failure> {
     let grid =
-        movingai::read_map(&read_bytes(path)?).map_err(|error| Failure::file(path, error))?;
+        movingai::read_map(&args.bytes(path)?).map_err(|error| Failure::file(path, error))?;
     Ok(grid_world(grid))
 }
 
-fn read_scenario(path: &Path, robot: Robot) -> Result<Vec<Task>, Failure> {
+fn read_scenario(path: &Path, args: &InputArgs, robot: Robot) -> Result<Vec<Task>, Failure> {
     let queries =
-        movingai::read_scen(&read_text(path)?).map_err(|error| Failure::file(path, error))?;
+        movingai::read_scen(&args.text(path)?).map_err(|error| Failure::file(path, error))?;
     let mut worlds: Vec<(String, Arc<World>)> = Vec::new();
     let mut tasks = Vec::with_capacity(queries.len());
     for query in &queries {
@@ -122,7 +157,7 @@ fn read_scenario(path: &Path, robot: Robot) -> Result<Vec<Task>, Failure> {
         let world = match known {
             Some(world) => world,
             None => {
-                let world = movingai_world(&path.with_file_name(name))?;
+                let world = movingai_world(&path.with_file_name(name), args)?;
                 worlds.push((name.to_string(), world.clone()));
                 world
             }
@@ -135,8 +170,8 @@ fn read_scenario(path: &Path, robot: Robot) -> Result<Vec<Task>, Failure> {
 fn ros_world(path: &Path, args: &InputArgs) -> Result<Arc<World>, Failure> {
     let unknown =
         if args.unknown_is_free { ros_map::Unknown::Free } else { ros_map::Unknown::Occupied };
-    let load = |image: &str| std::fs::read(path.parent().unwrap_or(Path::new("")).join(image));
-    let grid = ros_map::read(&read_text(path)?, unknown, load)
+    let load = |image: &str| args.load(&path.parent().unwrap_or(Path::new("")).join(image));
+    let grid = ros_map::read(&args.text(path)?, unknown, load)
         .map_err(|error| Failure::file(path, error))?;
     Ok(grid_world(grid))
 }

@@ -39,7 +39,7 @@ struct Cli {
 /// Flags that every verb takes.
 #[derive(Args, Clone)]
 struct Global {
-    /// Threads to use, at most 1024; 0 uses all cores. Results do not depend on it
+    /// Threads to use, at most 512; 0 uses all cores. Results do not depend on it
     #[arg(long, global = true, default_value_t = 0, allow_negative_numbers = true)]
     threads: usize,
     /// No progress bars or messages
@@ -100,7 +100,7 @@ fn run(cli: Cli) -> Result<u8, Failure> {
         Verb::Plan(args) => plan::run(&args, global),
         Verb::Generate(args) => generate::run(&args, global).map(done),
         Verb::Bench(args) => bench::run(&args, global).map(done),
-        Verb::Table(args) => table::run(&args).map(done),
+        Verb::Table(args) => table::run(&args, global).map(done),
         Verb::Experiment(args) => experiment::run(&args, global).map(done),
         Verb::Train(args) => train::run(&args, global).map(done),
         Verb::Oracle(args) => oracle::run(&args, global).map(done),

@@ -1,6 +1,6 @@
 //! Flags that `plan` and `bench` share: the profile, the starts and the budget.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
@@ -60,7 +60,7 @@ impl PlanningArgs {
             profile.fits_epsilon_to_maps = false;
             profile.epsilon = clearance / extent * sidestep::profile::NORMALISED_EXTENT;
         }
-        Ok(Options {
+        let options = Options {
             profile,
             waypoints: self.waypoints.or(policy.and_then(|policy| policy.fixed_waypoints())),
             starts: self.starts,
@@ -68,13 +68,37 @@ impl PlanningArgs {
             steps: self.steps,
             seed: self.seed,
             ..Options::default()
-        })
+        };
+        options.check()?;
+        Ok(options)
     }
 }
 
 /// The planner of that name; a policy is read from its file.
 pub fn planner(name: &str) -> Result<Planner, Failure> {
     Ok(parse_planner(name, &mut |path| load_policy(Path::new(path)).map(Arc::new))?)
+}
+
+/// The planners of a list: repeated, or with commas between them. A word `key=value` after a comma is
+/// a setting of the planner before it.
+pub fn planner_names(words: &[String]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for word in words {
+        for (index, part) in word.split(',').enumerate() {
+            let is_setting = part.contains('=') && !part.contains(':');
+            match names.last_mut().filter(|_| index > 0 && is_setting) {
+                Some(last) => *last += &format!(",{part}"),
+                None => names.push(part.into()),
+            }
+        }
+    }
+    names
+}
+
+/// The file of a planner that is a policy of the user's.
+pub fn policy_file(name: &String) -> Option<PathBuf> {
+    let (kind, path) = name.split_once(':')?;
+    ["learned", "auto-with"].contains(&kind).then(|| path.into())
 }
 
 /// Reads a policy file.

@@ -8,7 +8,7 @@ use sidestep::InvalidInput;
 use crate::failure::Failure;
 
 /// Most threads; beyond it they only wait for each other.
-const MAX_THREADS: usize = 1024;
+const MAX_THREADS: usize = 512;
 
 /// Starts that many threads, one for each core where 0; in a process that has them already, none.
 pub fn start(count: usize) -> Result<(), Failure> {

@@ -9,11 +9,12 @@ use std::sync::Arc;
 
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-use sidestep::plan::{Options, Plan, Planner, Status, Watch, by_world, plan_in};
+use sidestep::optimizer::Method;
+use sidestep::plan::{Auto, Options, Plan, Planner, Status, Watch, by_world, plan_in};
 use sidestep::scene::Scene;
 use sidestep::{InvalidInput, Task, Trajectory};
 
-use super::iterates::every_iterate;
+use super::iterates::{Walk, every_iterate};
 use super::report::Row;
 use super::statistics::{mean, quantile, student_interval, wilson_interval};
 use super::timing::{times, us_per_iteration};
@@ -103,19 +104,34 @@ pub fn row(
             .filter(|_| shares.len() >= 3)
             .unwrap_or_else(|| wilson_interval(successes, tasks)),
         success_by_group: shares,
-        success_of_solvable: solved_solvable as f64 / solvable.max(1) as f64,
+        success_of_solvable: (solvable > 0).then(|| solved_solvable as f64 / solvable as f64),
         contradictions,
         iterations_mean: every.as_ref().and_then(|every| mean(&every.solved_iterations())),
         iterations_median: every
             .as_ref()
             .and_then(|every| quantile(&mut every.solved_iterations(), 0.5)),
         us_per_iteration,
-        us_per_plan_median: quantile(&mut times.plans, 0.5).unwrap_or_default(),
-        us_per_plan_p95: quantile(&mut times.plans, 0.95).unwrap_or_default(),
+        us_per_plan_median: quantile(&mut times.plans, 0.5),
+        us_per_plan_p95: quantile(&mut times.plans, 0.95),
         us_per_world_median: quantile(&mut times.worlds, 0.5),
         length_ratio_median: quantile(&mut ratios, 0.5),
         roughness_median: quantile(&mut roughness, 0.5),
     })
+}
+
+/// Fails if a learned planner does not fit a task: better before hours of measuring than after.
+pub fn check_fit(sets: &[TaskSet], planner: &Planner, options: &Options) -> Result<(), Failure> {
+    let method = match planner {
+        Planner::Optimizer(method @ Method::Learned(_))
+        | Planner::Auto(Auto { quick: method @ Method::Learned(_), .. }) => method,
+        _ => return Ok(()),
+    };
+    for set in sets {
+        in_scenes(set, options, |scene, index, task| {
+            Walk::new(scene, task, index as u64, method, options)?.begin(0).map(drop)
+        })?;
+    }
+    Ok(())
 }
 
 /// Plans every task of a set as a user would.

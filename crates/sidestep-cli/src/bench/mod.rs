@@ -13,18 +13,19 @@ use std::time::Instant;
 
 use clap::Args;
 use rayon::prelude::*;
-use sidestep::Task;
 use sidestep::plan::{Options, by_world};
 use sidestep::plane::shortest_path::{Route, ShortestPath};
 use sidestep::profile::Profile;
 use sidestep::suite::Suite;
+use sidestep::{InvalidInput, Task};
 
 use crate::Global;
 use crate::failure::Failure;
+use crate::generate::{MAX_COUNT, draw};
 use crate::input::{self, InputArgs};
 use crate::machine::Provenance;
 use crate::output;
-use crate::planning::{PlanningArgs, planner};
+use crate::planning::{PlanningArgs, planner, planner_names, policy_file};
 use crate::table;
 use measure::{Exact, TaskSet};
 use report::Report;
@@ -36,14 +37,14 @@ const TASK_FLAGS: [&str; 7] =
 /// Arguments of `bench`.
 #[derive(Args)]
 pub struct BenchArgs {
-    /// Suite: easy, hard, hard-training, mix or time
-    #[arg(long, conflicts_with_all = TASK_FLAGS, required_unless_present = "tasks")]
+    /// Suite: easy, hard, hard-training, mix, time or varied
+    #[arg(long, conflicts_with_all = TASK_FLAGS)]
     suite: Option<String>,
     /// Tasks per seed
     #[arg(long, default_value_t = 1000, allow_negative_numbers = true)]
     count: usize,
     /// Task seeds of the suite
-    #[arg(long, value_delimiter = ',', default_values_t = [2, 12, 22, 32, 42])]
+    #[arg(long, num_args = 1.., value_delimiter = ',', default_values_t = [2, 12, 22, 32, 42])]
     seeds: Vec<u64>,
     /// Files in place of a suite: tasks, maps and worlds as `plan` reads them
     #[arg(long, num_args = 1..)]
@@ -59,8 +60,8 @@ pub struct BenchArgs {
     by_file: bool,
     #[command(flatten)]
     from: InputArgs,
-    /// Planner, as NAME[:key=value,...]; may be given several times
-    #[arg(long, required = true)]
+    /// Planners, as NAME[:key=value,...]; `sidestep planners` lists them
+    #[arg(long, num_args = 1.., required = true)]
     planner: Vec<String>,
     #[command(flatten)]
     planning: PlanningArgs,
@@ -75,14 +76,15 @@ pub struct BenchArgs {
 /// Measures and prints.
 pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
     let begin = Instant::now();
-    let groups = task_groups(args)?;
-    let extent = groups[0].1[0].world.bounds().extent();
-    let planners: Vec<_> = args
-        .planner
-        .iter()
-        .map(|name| Ok((name, planner(name)?)))
-        .collect::<Result<_, Failure>>()?;
+    let names = planner_names(&args.planner);
+    let planners: Vec<_> =
+        names.iter().map(|name| Ok((name, planner(name)?))).collect::<Result<_, Failure>>()?;
     let every: Vec<_> = planners.iter().map(|(_, planner)| planner).collect();
+    let policies: Vec<PathBuf> = names.iter().filter_map(policy_file).collect();
+    check_output(args, &policies)?;
+    let groups = task_groups(args, global)?;
+    check_output(args, &args.from.files())?;
+    let extent = groups[0].1[0].world.bounds().extent();
     let options = args.planning.options(extent, &every)?;
     let total = groups.iter().map(|(_, tasks)| tasks.len() as u64).sum::<u64>();
     let bar = output::progress("exact shortest paths", total, global.quiet);
@@ -94,6 +96,9 @@ pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
         })
         .collect();
     bar.finish_and_clear();
+    for planner in every {
+        measure::check_fit(&sets, planner, &options)?;
+    }
     let labels: Vec<String> = sets.iter().map(|set| set.label.clone()).collect();
     let all = labels.join(", ");
     let parts: Vec<(&str, &[TaskSet])> = match &args.suite {
@@ -117,10 +122,20 @@ pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
         settings: settings(args, &options),
         rows,
     };
-    if let Some(path) = &args.out {
-        output::write_json(path, &report)?;
+    // A report that cannot be written is shown all the same: the measurement may have taken hours.
+    let written = args.out.as_ref().map_or(Ok(()), |path| output::write_json(path, &report));
+    if global.json {
+        output::print_json(&report)?;
+    } else {
+        output::print(&table::markdown(&report))?;
     }
-    if global.json { output::print_json(&report) } else { output::print(&table::markdown(&report)) }
+    written
+}
+
+/// Fails if the report could not be written or would replace one of these.
+fn check_output(args: &BenchArgs, inputs: &[PathBuf]) -> Result<(), Failure> {
+    let outputs: Vec<_> = args.out.iter().map(|out| ("--out", out.as_path())).collect();
+    output::check_outputs(&outputs, inputs)
 }
 
 fn settings(args: &BenchArgs, options: &Options) -> report::Settings {
@@ -137,21 +152,30 @@ fn settings(args: &BenchArgs, options: &Options) -> report::Settings {
 type Groups = Vec<(String, Vec<Task>)>;
 
 /// One group per seed or file.
-fn task_groups(args: &BenchArgs) -> Result<Groups, Failure> {
+fn task_groups(args: &BenchArgs, global: &Global) -> Result<Groups, Failure> {
     let groups: Groups = match &args.suite {
         Some(suite) => {
             let suite = Suite::named(suite)?;
-            let tasks = |seed: &u64| suite.generate(args.count, *seed, &Profile::PAPER);
-            args.seeds.iter().map(|seed| (format!("seed {seed}"), tasks(seed))).collect()
+            check_count(args)?;
+            let draw = |&seed: &u64| {
+                let tasks = draw(&suite, args.count, seed, &Profile::PAPER, global.quiet);
+                (format!("seed {seed}"), tasks)
+            };
+            args.seeds.iter().map(draw).collect()
+        }
+        None if args.tasks.is_empty() => {
+            let need = "no tasks: give --suite NAME (easy, hard, hard-training, mix, time or \
+                        varied) or --tasks FILE...";
+            return Err(Failure(need.into()));
         }
         None => {
-            let read = |path: &PathBuf| {
-                let tasks = input::read(path, &args.from, (None, None), args.planning.seed)?;
+            let read = |path: PathBuf| {
+                let tasks = input::read(&path, &args.from, (None, None), args.planning.seed)?;
                 let label =
                     path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into());
                 Ok((label, selection(tasks, args)))
             };
-            args.tasks.iter().map(read).collect::<Result<_, Failure>>()?
+            files(&args.tasks).into_iter().map(read).collect::<Result<_, Failure>>()?
         }
     };
     if groups.is_empty() || groups.iter().any(|(_, tasks)| tasks.is_empty()) {
@@ -160,6 +184,25 @@ fn task_groups(args: &BenchArgs) -> Result<Groups, Failure> {
         ));
     }
     Ok(groups)
+}
+
+/// Checks the number of tasks of a suite, over all seeds.
+fn check_count(args: &BenchArgs) -> Result<(), Failure> {
+    let (count, seeds) = (args.count, args.seeds.len());
+    if count.checked_mul(seeds).is_some_and(|total| (1..=MAX_COUNT).contains(&total)) {
+        return Ok(());
+    }
+    let allowed = format!("at least 1 and, times {seeds} seed(s), at most {MAX_COUNT} tasks");
+    Err(InvalidInput::new("--count", count, allowed).into())
+}
+
+/// Files as they are named, or several in one word, with commas between them.
+fn files(words: &[PathBuf]) -> Vec<PathBuf> {
+    let several = |word: &PathBuf| match word.to_str().filter(|_| !word.exists()) {
+        Some(text) => text.split(',').map(PathBuf::from).collect(),
+        None => vec![word.clone()],
+    };
+    words.iter().flat_map(several).collect()
 }
 
 /// The tasks of a file that `--limit` and `--spread` leave.

@@ -66,8 +66,8 @@ pub struct Row {
     pub success_ci95: [f64; 2],
     /// `success` of each seed or file.
     pub success_by_group: Vec<f64>,
-    /// Certified plans over solvable tasks.
-    pub success_of_solvable: f64,
+    /// Certified plans over solvable tasks, where there are any.
+    pub success_of_solvable: Option<f64>,
     /// Plans called solved on tasks that are proved unsolvable; anything but 0 is a fault.
     pub contradictions: usize,
     /// Mean index of the first feasible iterate, over tasks that have one.
@@ -78,10 +78,10 @@ pub struct Row {
     /// timed tasks.
     pub us_per_iteration: Option<f64>,
     /// Median microseconds from task to answer, one thread. Where tasks share a world, without what
-    /// is prepared once for the world.
-    pub us_per_plan_median: f64,
+    /// is prepared once for the world. None where no task is timed.
+    pub us_per_plan_median: Option<f64>,
     /// 95th percentile of the same.
-    pub us_per_plan_p95: f64,
+    pub us_per_plan_p95: Option<f64>,
     /// Median microseconds to prepare a world that several tasks share.
     #[serde(default)]
     pub us_per_world_median: Option<f64>,

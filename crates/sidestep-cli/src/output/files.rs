@@ -2,7 +2,7 @@
 //!
 //! A file is written under a temporary name beside its place and then renamed. What a killed
 //! process leaves is told from work in progress by a lock, which ends with its process, and is
-//! removed when the next one checks its outputs in the same folder.
+//! removed by the next one that writes into the same folder.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -22,6 +22,7 @@ const MOST_LINKS: usize = 40;
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let whole_or_not_at_all = || -> io::Result<()> {
         let target = target(path)?;
+        remove_left_over(folder_of(&target));
         let mut file = temporary_beside(&target)?;
         file.write_all(bytes)?;
         if let Ok(replaced) = fs::metadata(&target) {
@@ -65,8 +66,7 @@ pub fn check_outputs(outputs: &[Output<'_>], inputs: &[PathBuf]) -> Result<(), F
 }
 
 fn check_writable(target: &Path) -> io::Result<()> {
-    let folder = folder_of(target);
-    remove_left_over(folder);
+    remove_left_over(folder_of(target));
     temporary_beside(target)?;
     if target.exists() {
         // A rename asks the folder for permission and not the file.
@@ -76,7 +76,7 @@ fn check_writable(target: &Path) -> io::Result<()> {
 }
 
 /// Removes what killed processes left in a folder; whatever cannot be removed stays.
-pub fn remove_left_over(folder: &Path) {
+fn remove_left_over(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         let is_ours = entry.file_name().to_string_lossy().starts_with(PREFIX);

@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use crate::failure::Failure;
-pub use files::{check_outputs, remove_left_over, write_file};
+pub use files::{check_outputs, write_file};
 
 /// Writes a value as JSON with a final newline.
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {

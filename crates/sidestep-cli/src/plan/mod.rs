@@ -9,7 +9,7 @@ use serde::Serialize;
 use sidestep::error::MAX_COORDINATE;
 use sidestep::objective::Objective;
 use sidestep::plan::run::Iteration;
-use sidestep::plan::{Plan, Status, Stop, Watch, plan_in};
+use sidestep::plan::{Plan, Planner, Status, Stop, Watch, plan_in};
 use sidestep::plane::geometry::Point;
 use sidestep::scene::Scene;
 use sidestep::{InvalidInput, Robot, Task, Trajectory};
@@ -18,7 +18,7 @@ use crate::Global;
 use crate::failure::Failure;
 use crate::input::{self, InputArgs, parse_point};
 use crate::output;
-use crate::planning::{PlanningArgs, planner};
+use crate::planning::{PlanningArgs, planner, policy_file};
 
 mod draw;
 
@@ -113,30 +113,46 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
         return Err(Failure::at("--index", format!("{} of {count} tasks, from 0", args.index)));
     }
     let task = tasks.swap_remove(args.index);
-    let attempt = attempt(args, &task, &args.planner)?;
+    let planner = planner(&args.planner)?;
+    let others: Vec<Planner> =
+        args.compare.iter().map(|name| self::planner(name)).collect::<Result<_, Failure>>()?;
+    check_outputs(args)?;
+    let attempt = attempt(args, &task, &args.planner, &planner)?;
     if args.png.is_some() || args.svg.is_some() {
-        let others: Vec<Attempt> = args
-            .compare
-            .iter()
-            .map(|name| self::attempt(args, &task, name))
+        let others: Vec<Attempt> = std::iter::zip(&args.compare, &others)
+            .map(|(name, planner)| self::attempt(args, &task, name, planner))
             .collect::<Result<_, Failure>>()?;
         draw::pictures(args, &task, std::iter::once(&attempt).chain(&others))?;
     }
     let status = attempt.plan.status.clone();
     let answer = answer(args, &task, attempt);
-    if let Some(path) = &args.out {
-        output::write_json(path, &answer)?;
-    }
+    let written = args.out.as_ref().map_or(Ok(()), |path| output::write_json(path, &answer));
     if global.json {
         output::print_json(&answer)?;
     } else {
         output::print(&describe(&answer))?;
     }
+    written?;
     Ok(match status {
         Status::Solved => 0,
         Status::Invalid(_) => 2,
         Status::Unsolved(_) | Status::Unsolvable(_) => 1,
     })
+}
+
+/// Fails if a file could not be written, would replace what is read, or a flag would do nothing.
+fn check_outputs(args: &PlanArgs) -> Result<(), Failure> {
+    if !args.compare.is_empty() && args.png.is_none() && args.svg.is_none() {
+        let need =
+            "draws planners beside the first, so it needs a picture: --png FILE or --svg FILE";
+        return Err(Failure::at("--compare", need));
+    }
+    let outputs = [("--out", &args.out), ("--png", &args.png), ("--svg", &args.svg)];
+    let outputs: Vec<_> =
+        outputs.iter().filter_map(|(flag, path)| Some((*flag, path.as_deref()?))).collect();
+    let policies = std::iter::once(&args.planner).chain(&args.compare).filter_map(policy_file);
+    let inputs = args.from.files().into_iter().chain(args.warm_start.clone()).chain(policies);
+    output::check_outputs(&outputs, &inputs.collect::<Vec<_>>())
 }
 
 /// What one planner did.
@@ -150,9 +166,13 @@ pub struct Attempt {
 }
 
 /// Plans the task with the planner of that name.
-fn attempt(args: &PlanArgs, task: &Task, name: &str) -> Result<Attempt, Failure> {
-    let planner = planner(name)?;
-    let mut options = args.planning.options(task.world.bounds().extent(), &[&planner])?;
+fn attempt(
+    args: &PlanArgs,
+    task: &Task,
+    name: &str,
+    planner: &Planner,
+) -> Result<Attempt, Failure> {
+    let mut options = args.planning.options(task.world.bounds().extent(), &[planner])?;
     options.prove = true;
     if args.best || args.budget_ms.is_some() {
         options.stop = Stop::Best;
@@ -179,7 +199,7 @@ fn attempt(args: &PlanArgs, task: &Task, name: &str) -> Result<Attempt, Failure>
     };
     let deadline = budget.map(|budget| begin + budget);
     let watch = Watch { see: &see, go_on: &|| is_time_left(deadline) };
-    let plan = plan_in(&scene, &asked, &planner, &options, watch)?;
+    let plan = plan_in(&scene, &asked, planner, &options, watch)?;
     let time = begin.elapsed();
     // What is reported and drawn is the robot itself.
     let scene = if args.margin > 0.0 { Arc::new(Scene::of(task, &options.profile)) } else { scene };

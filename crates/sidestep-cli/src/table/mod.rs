@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use crate::Global;
 use crate::bench::report::{FORMAT, Report, Row};
 use crate::experiment::report::{self, ExperimentReport};
 use crate::failure::Failure;
@@ -33,17 +34,22 @@ enum Format {
     Csv,
 }
 
-/// Renders the report.
-pub fn run(args: &TableArgs) -> Result<(), Failure> {
+/// Renders the report; as JSON, its rows or cells alone.
+pub fn run(args: &TableArgs, global: &Global) -> Result<(), Failure> {
     let broken = |error| Failure::file(&args.report, format!("is not a report ({error})"));
     let value: serde_json::Value =
         serde_json::from_str(&read_text(&args.report)?).map_err(broken)?;
+    let curves: Vec<_> = args.curves.iter().map(|path| ("--curves", path.as_path())).collect();
+    output::check_outputs(&curves, std::slice::from_ref(&args.report))?;
     let text = match value["format"].as_str() {
         Some(FORMAT) => {
             let report: Report = serde_json::from_value(value).map_err(broken)?;
             if let Some(path) = &args.curves {
                 let reason = "cannot be drawn: a report of `bench` has no learning curves";
                 return Err(Failure::file(path, reason));
+            }
+            if global.json {
+                return output::print_json(&report.rows);
             }
             match args.format {
                 Format::Markdown => markdown(&report),
@@ -54,6 +60,9 @@ pub fn run(args: &TableArgs) -> Result<(), Failure> {
             let report: ExperimentReport = serde_json::from_value(value).map_err(broken)?;
             if let Some(path) = &args.curves {
                 curves::write(&report, path)?;
+            }
+            if global.json {
+                return output::print_json(&report.cells);
             }
             match args.format {
                 Format::Markdown => experiment_markdown(&report),
@@ -86,11 +95,11 @@ const COLUMNS: [Column; 15] = [
         let [low, high] = row.success_ci95;
         format!("{} [{:.1}, {:.1}]", percent(Some(row.success)), 100.0 * low, 100.0 * high)
     }),
-    ("of solvable %", |row, _| percent(Some(row.success_of_solvable))),
+    ("of solvable %", |row, _| percent(row.success_of_solvable)),
     ("iterations", |row, _| number(row.iterations_mean, 1)),
     ("us/iteration", |row, _| number(row.us_per_iteration, 2)),
-    ("us/plan p50", |row, _| number(Some(row.us_per_plan_median), 1)),
-    ("us/plan p95", |row, _| number(Some(row.us_per_plan_p95), 1)),
+    ("us/plan p50", |row, _| number(row.us_per_plan_median, 1)),
+    ("us/plan p95", |row, _| number(row.us_per_plan_p95, 1)),
     ("us/world", |row, _| number(row.us_per_world_median, 0)),
     ("length/optimal", |row, _| number(row.length_ratio_median, 3)),
 ];

@@ -69,3 +69,50 @@ fn task_files_are_groups() {
     // Without --json: the table.
     check(folder.path(), &line.replace("--json ", ""), 0, &["| `auto`", "of solvable %"]);
 }
+
+#[test]
+fn figures_of_nothing_are_null() {
+    let folder = folder();
+    let line = "bench --tasks wall.json --planner gd,auto --timed 0 --out report.json";
+    let report = check(folder.path(), &format!("{line} --json"), 0, &[]).json();
+    for row in report["rows"].as_array().unwrap() {
+        for field in ["success_of_solvable", "us_per_plan_median", "us_per_plan_p95"] {
+            assert!(row[field].is_null(), "{field} in {row}");
+        }
+    }
+    let table = check(folder.path(), "table report.json", 0, &[]).stdout;
+    // Columns in which no row has anything are left out.
+    assert!(!table.contains("of solvable %") && !table.contains("us/plan"), "{table}");
+}
+
+#[test]
+fn lists_are_written_in_every_way() {
+    let folder = folder();
+    let planners = |report: &serde_json::Value| -> Vec<String> {
+        let rows = report["rows"].as_array().unwrap();
+        rows.iter().map(|row| row["planner"].as_str().unwrap().to_string()).collect()
+    };
+    for list in [
+        "--planner gd:step=0.5 --planner stomp:rollouts=4,noise=0.3",
+        "--planner gd:step=0.5,stomp:rollouts=4,noise=0.3",
+        "--planner gd:step=0.5 stomp:rollouts=4,noise=0.3",
+    ] {
+        let line = format!("bench --suite easy --count 2 --seeds 2,12 --timed 0 --json {list}");
+        let report = check(folder.path(), &line, 0, &[]).json();
+        assert_eq!(planners(&report), ["gd:step=0.5", "stomp:rollouts=4,noise=0.3"], "{list}");
+    }
+    for seeds in ["--seeds 2,12", "--seeds 2 12", "--seeds 2 --seeds 12"] {
+        let line = format!("bench --suite easy --count 2 --planner gd --timed 0 --json {seeds}");
+        let report = check(folder.path(), &line, 0, &[]).json();
+        assert_eq!(report["settings"]["task_seeds"], serde_json::json!([2, 12]), "{seeds}");
+    }
+    for tasks in [
+        "--tasks free.json,block.json",
+        "--tasks free.json block.json",
+        "--tasks free.json --tasks block.json",
+    ] {
+        let line = format!("bench {tasks} --planner gd --timed 0 --json");
+        let report = check(folder.path(), &line, 0, &[]).json();
+        assert_eq!(report["rows"][0]["suite"], "free.json, block.json", "{tasks}");
+    }
+}

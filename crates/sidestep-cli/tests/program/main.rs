@@ -5,6 +5,7 @@
 mod bad_input;
 mod bench;
 mod determinism;
+mod files;
 mod generate;
 mod plan;
 mod table;
@@ -87,5 +88,20 @@ fn help_and_version() {
     check(folder.path(), "", 2, &["Usage"]);
     for verb in verbs {
         check(folder.path(), &format!("{verb} --help"), 0, &["--threads", "--json", "--quiet"]);
+    }
+}
+
+#[test]
+fn every_verb_prints_one_document_with_json() {
+    let folder = folder();
+    for line in [
+        "plan block.json --png plan.png",
+        "generate --suite easy --count 3 --seed 1 --out tasks.jsonl",
+        "oracle tasks.jsonl",
+        "bench --tasks tasks.jsonl --planner gd,stomp:rollouts=4,noise=0.3 --timed 0 --out report.json",
+        "table report.json",
+        "table report.json --format csv",
+    ] {
+        check(folder.path(), &format!("{line} --json"), 0, &[]).json();
     }
 }

@@ -214,7 +214,11 @@ fn or_proof(plan: Plan, scene: &Scene, task: &Task, options: &Options, watch: Wa
 }
 
 impl Options {
-    fn check(&self) -> Result<(), InvalidInput> {
+    /// Checks every number's range, as planning does before it begins.
+    ///
+    /// # Errors
+    /// If one is out of range.
+    pub fn check(&self) -> Result<(), InvalidInput> {
         let range = |field, value: usize, least: usize, most: usize| {
             let allowed = || format!("a number from {least} to {most}");
             let fits = (least..=most).contains(&value);

@@ -78,20 +78,44 @@ impl Suite {
     /// number of threads. `profile` says what gradient descent is for the filtered suites; the
     /// suites of the paper use [`Profile::PAPER`].
     pub fn generate(&self, count: usize, seed: u64, profile: &Profile) -> Vec<Task> {
+        self.generate_watched(count, seed, profile, &|| {})
+    }
+
+    /// As [`Suite::generate`]; calls `kept` from any thread for each task that is kept, and at the
+    /// end for some that are one too many.
+    pub fn generate_watched(
+        &self,
+        count: usize,
+        seed: u64,
+        profile: &Profile,
+        kept: &(dyn Fn() + Sync),
+    ) -> Vec<Task> {
+        let every = |draw: fn(u64, u64) -> Task| {
+            let tasks = (0..count).into_par_iter().map(|i| draw(seed, i as u64));
+            tasks.inspect(|_| kept()).collect()
+        };
         match self {
-            Self::Easy => (0..count).into_par_iter().map(|i| candidate(seed, i as u64)).collect(),
-            Self::Varied => (0..count).into_par_iter().map(|i| varied(seed, i as u64)).collect(),
+            Self::Easy => every(candidate),
+            Self::Varied => every(varied),
             Self::Mix => {
-                let easy = Self::Easy.generate(count.div_ceil(2), seed, profile);
-                let hard = Self::HardTraining.generate(count / 2, seed, profile);
+                let easy = Self::Easy.generate_watched(count.div_ceil(2), seed, profile, kept);
+                let hard = Self::HardTraining.generate_watched(count / 2, seed, profile, kept);
                 let mut hard = hard.into_iter();
                 easy.into_iter().flat_map(|task| [Some(task), hard.next()]).flatten().collect()
             }
-            Self::Hard | Self::HardTraining | Self::Time => self.filtered(count, seed, profile),
+            Self::Hard | Self::HardTraining | Self::Time => {
+                self.filtered(count, seed, profile, kept)
+            }
         }
     }
 
-    fn filtered(&self, count: usize, seed: u64, profile: &Profile) -> Vec<Task> {
+    fn filtered(
+        &self,
+        count: usize,
+        seed: u64,
+        profile: &Profile,
+        kept: &(dyn Fn() + Sync),
+    ) -> Vec<Task> {
         let mut tasks = Vec::with_capacity(count);
         let mut next = 0u64;
         while tasks.len() < count {
@@ -101,6 +125,7 @@ impl Suite {
                 .into_par_iter()
                 .map(|i| candidate(seed, i))
                 .filter(|task| self.keeps(task, profile))
+                .inspect(|_| kept())
                 .collect();
             tasks.extend(passed);
             next += batch;
