@@ -96,7 +96,7 @@ pub fn planner_names(words: &[String]) -> Vec<String> {
 }
 
 /// The file of a planner that is a policy of the user's.
-pub fn policy_file(name: &String) -> Option<PathBuf> {
+pub fn policy_file(name: &str) -> Option<PathBuf> {
     let (kind, path) = name.split_once(':')?;
     ["learned", "auto-with"].contains(&kind).then(|| path.into())
 }

@@ -80,8 +80,10 @@ pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
     let planners: Vec<_> =
         names.iter().map(|name| Ok((name, planner(name)?))).collect::<Result<_, Failure>>()?;
     let every: Vec<_> = planners.iter().map(|(_, planner)| planner).collect();
-    let policies: Vec<PathBuf> = names.iter().filter_map(policy_file).collect();
+    let policies: Vec<PathBuf> = names.iter().filter_map(|name| policy_file(name)).collect();
     check_output(args, &policies)?;
+    // All but what depends on the field is known before tasks are drawn or read.
+    args.planning.options(f64::INFINITY, &every)?;
     let groups = task_groups(args, global)?;
     check_output(args, &args.from.files())?;
     let extent = groups[0].1[0].world.bounds().extent();

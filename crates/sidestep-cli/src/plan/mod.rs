@@ -150,7 +150,8 @@ fn check_outputs(args: &PlanArgs) -> Result<(), Failure> {
     let outputs = [("--out", &args.out), ("--png", &args.png), ("--svg", &args.svg)];
     let outputs: Vec<_> =
         outputs.iter().filter_map(|(flag, path)| Some((*flag, path.as_deref()?))).collect();
-    let policies = std::iter::once(&args.planner).chain(&args.compare).filter_map(policy_file);
+    let names = std::iter::once(&args.planner).chain(&args.compare);
+    let policies = names.filter_map(|name| policy_file(name));
     let inputs = args.from.files().into_iter().chain(args.warm_start.clone()).chain(policies);
     output::check_outputs(&outputs, &inputs.collect::<Vec<_>>())
 }
