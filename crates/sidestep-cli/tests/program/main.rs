@@ -4,6 +4,8 @@
 
 mod bad_input;
 mod bench;
+#[cfg(unix)]
+mod cases;
 mod determinism;
 mod files;
 mod generate;
