@@ -4,6 +4,7 @@
 //! [`Trajectory`] or the reason why there is none. Underneath, an [`objective::Objective`] scores the
 //! waypoints of a trajectory and an [`optimizer::Optimizer`] walks them downhill.
 
+pub mod arm;
 pub mod error;
 pub mod kernels;
 pub mod network;

@@ -1,0 +1,24 @@
+//! Robots with joints: kinematics of blocks of configurations, and proofs that motions are free.
+//!
+//! A [`Model`] is a robot as its file describes it (links, joints, shapes). An [`Arm`] is the same
+//! robot compiled: some joints move, all others are held; what moves is a flat program of slots
+//! (`chain.rs`) that the kernels evaluate for many configurations at once (`kinematics.rs`), and the body
+//! is balls (`spheres.rs`). A configuration is a slice with a number for each moving joint, in rad
+//! or m, in the order of [`Arm::joints`].
+
+pub mod certificate;
+mod chain;
+mod kinematics;
+mod model;
+mod reach;
+mod robot;
+pub mod rrt_connect;
+mod sincos;
+mod spheres;
+
+pub use model::{Body, BodyShape, Joint, JointKind, Limits, Link, MAX_LINKS, Mimic, Model};
+pub use robot::{Arm, ArmJoint, MAX_DOF};
+pub use spheres::Ball;
+
+#[cfg(test)]
+mod tests;
