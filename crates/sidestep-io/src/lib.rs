@@ -8,6 +8,7 @@ mod error;
 mod json;
 pub mod movingai;
 pub mod picture;
+pub mod robots;
 pub mod ros_map;
 pub mod task_json;
 

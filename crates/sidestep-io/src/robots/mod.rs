@@ -1,0 +1,12 @@
+//! Robots with joints: URDF and SRDF from text.
+//!
+//! [`read_urdf`] makes a [`Model`](sidestep::arm::Model) of a robot's description, [`read_srdf`] an
+//! [`Srdf`] of what people say about it: groups of joints, named configurations, pairs of links that may touch.
+//! Nothing is looked up on the machine: a mesh stays the name that the file gives it.
+
+mod srdf;
+mod urdf;
+mod xml;
+
+pub use srdf::{EndEffector, Group, GroupPart, GroupState, Srdf, VirtualJoint, read_srdf};
+pub use urdf::read_urdf;
