@@ -145,7 +145,11 @@ fn faults_are_found_at_their_line() {
         ),
         ("<mimic joint=\"left\"", "<mimic joint=\"tip\"", "mimic: found a circle"),
         ("<child link=\"turret\"/>", "<child link=\"mast\"/>", "which joint mast carries"),
-        ("<child link=\"turret\"/>", "<child link=\"base\"/>", "expected one tree"),
+        (
+            "<child link=\"turret\"/>",
+            "<child link=\"base\"/>",
+            "found a circle through \"base\"; expected a tree",
+        ),
         (
             "<link name=\"mast\"/>",
             "<link name=\"mast\"/><link name=\"alone\"/>",
