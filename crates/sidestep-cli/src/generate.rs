@@ -57,7 +57,7 @@ pub fn run(args: &GenerateArgs, global: &Global) -> Result<(), Failure> {
     }
     output::check_outputs(&[("--out", &args.out)], &[])?;
     let tasks = draw(&suite, args.count, args.seed, &profile, global.quiet);
-    output::write_file(&args.out, write_tasks(&tasks, format).as_bytes())?;
+    output::write_file(&args.out, write_tasks(&tasks, format)?.as_bytes())?;
     if global.json {
         let written =
             Written { suite: suite.name(), seed: args.seed, tasks: tasks.len(), out: &args.out };

@@ -84,11 +84,10 @@ pub fn read(
         return Err(Failure::file(path, only));
     }
     for task in &mut tasks {
-        if args.robot_radius.is_some() {
-            task.robot = robot;
-        }
-        let (start, goal) = (ends.0.unwrap_or(task.start), ends.1.unwrap_or(task.goal));
-        *task = Task::new(task.name.clone(), task.world.clone(), task.robot, start, goal)?;
+        let plane = task.plane()?;
+        let robot = if args.robot_radius.is_some() { robot } else { plane.robot };
+        let (start, goal) = (ends.0.unwrap_or(plane.start), ends.1.unwrap_or(plane.goal));
+        *task = Task::in_plane(plane.name, plane.world.clone(), robot, start, goal)?;
     }
     if tasks.is_empty() {
         return Err(Failure::file(path, "holds no task"));
@@ -193,7 +192,9 @@ fn map_tasks(
             let allowed = format!("{count} is not a number from 1 to {MOST_QUERIES}");
             Err(Failure::at("--random-queries", allowed))
         }
-        (None, (Some(start), Some(goal))) => Ok(vec![Task::new(name, world, robot, start, goal)?]),
+        (None, (Some(start), Some(goal))) => {
+            Ok(vec![Task::in_plane(name, world, robot, start, goal)?])
+        }
         (None, _) => {
             let bounds = world.bounds();
             let range = format!("{:?} to {:?}", bounds.min, bounds.max);

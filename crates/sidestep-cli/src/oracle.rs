@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
-use sidestep::Task;
-use sidestep::plan::by_world;
+use sidestep::plan::by_setting;
+use sidestep::plane::points;
 use sidestep::plane::shortest_path::{Route, ShortestPath};
+use sidestep::{InvalidInput, PlaneTask, Task};
 
 use crate::Global;
 use crate::failure::Failure;
@@ -42,17 +43,20 @@ struct Answer {
 pub fn run(args: &OracleArgs, global: &Global) -> Result<(), Failure> {
     let tasks = input::read(&args.tasks, &args.from, (None, None), args.seed)?;
     let bar = output::progress("exact shortest paths", tasks.len() as u64, global.quiet);
-    let answers: Vec<Answer> = by_world(&tasks)
+    let answers: Result<Vec<Vec<Answer>>, InvalidInput> = by_setting(&tasks)
         .into_par_iter()
-        .flat_map(|(_, tasks)| {
-            let exact = ShortestPath::new(&tasks[0].world, tasks[0].robot);
-            tasks.par_iter().map_with(exact, |exact, task| {
-                let answer = answer(exact, task);
+        .map(|(_, tasks)| {
+            let PlaneTask { world, robot, .. } = tasks[0].plane()?;
+            let exact = ShortestPath::new(world, robot);
+            let answer = |exact: &mut ShortestPath, task: &Task| {
+                let answer = answer(exact, task.plane()?);
                 bar.inc(1);
-                answer
-            })
+                Ok(answer)
+            };
+            tasks.par_iter().map_with(exact, answer).collect()
         })
         .collect();
+    let answers: Vec<Answer> = answers?.into_iter().flatten().collect();
     bar.finish_and_clear();
     if global.json {
         return output::print_json(&answers);
@@ -67,8 +71,8 @@ pub fn run(args: &OracleArgs, global: &Global) -> Result<(), Failure> {
     output::print(&text)
 }
 
-fn answer(exact: &mut ShortestPath, task: &Task) -> Answer {
-    let name = task.name.clone();
+fn answer(exact: &mut ShortestPath, task: PlaneTask<'_>) -> Answer {
+    let name = task.name.to_owned();
     match exact.find(task.start, task.goal) {
         Route::Found { trajectory, length, lower_bound } => Answer {
             name,
@@ -76,7 +80,7 @@ fn answer(exact: &mut ShortestPath, task: &Task) -> Answer {
             reason: String::new(),
             length: Some(length),
             lower_bound: Some(lower_bound),
-            waypoints: trajectory.points().to_vec(),
+            waypoints: points(&trajectory).to_vec(),
         },
         Route::Unsolvable(proof) => blank(name, "unsolvable", proof.to_string()),
         Route::Undecided(doubt) => blank(name, "undecided", doubt.to_string()),

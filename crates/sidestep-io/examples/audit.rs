@@ -9,9 +9,10 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 use sidestep::plan::{Auto, Options, Planner, Status, plan};
+use sidestep::plane::points;
 use sidestep::profile::Profile;
 use sidestep::suite::Suite;
-use sidestep::{Obstacle, Task};
+use sidestep::{Obstacle, PlaneTask, Task};
 
 /// Test seeds of the suites easy and hard.
 const SEEDS: [u64; 5] = [2, 12, 22, 32, 42];
@@ -58,12 +59,13 @@ impl Tally {
             .par_iter()
             .map(|task| {
                 let plan = plan(task, planner, options).unwrap();
+                let task = task.plane().unwrap();
                 let wrong = match &plan.status {
-                    Status::Solved => {
-                        let path = plan.trajectory.as_ref().unwrap();
-                        path.points()[0] != task.start
-                            || *path.points().last().unwrap() != task.goal
-                            || path.segments().any(|(a, b)| collides(task, a, b))
+                    Status::Solved(certified) => {
+                        let path = points(certified.trajectory());
+                        path[0] != task.start
+                            || *path.last().unwrap() != task.goal
+                            || path.windows(2).any(|pair| collides(task, pair[0], pair[1]))
                     }
                     Status::Unsolvable(_) => flood_reaches(task),
                     _ => false,
@@ -74,7 +76,7 @@ impl Tally {
         self.tasks += answers.len();
         for (status, wrong) in answers {
             match status {
-                Status::Solved => {
+                Status::Solved(_) => {
                     self.solved += 1;
                     self.colliding += usize::from(wrong);
                 }
@@ -100,7 +102,7 @@ impl Tally {
 }
 
 /// Whether the segment meets the inside of a rectangle or leaves the bounds.
-fn collides(task: &Task, a: [f64; 2], b: [f64; 2]) -> bool {
+fn collides(task: PlaneTask<'_>, a: [f64; 2], b: [f64; 2]) -> bool {
     let bounds = task.world.bounds();
     let outside = |p: [f64; 2]| (0..2).any(|i| p[i] < bounds.min[i] || p[i] > bounds.max[i]);
     outside(a)
@@ -125,7 +127,7 @@ fn collides(task: &Task, a: [f64; 2], b: [f64; 2]) -> bool {
 }
 
 /// Whether the goal's cell is reached from the start's over cells that no rectangle touches: then there is a way.
-fn flood_reaches(task: &Task) -> bool {
+fn flood_reaches(task: PlaneTask<'_>) -> bool {
     let side = 64 * FINE;
     let mut blocked = vec![false; side * side];
     for obstacle in task.world.obstacles() {

@@ -58,18 +58,19 @@ fn block_world() -> Result<Task, Box<dyn Error>> {
         Obstacle::Rect(Rect::new([44.0, 6.0], [56.0, 14.0])?),
     ];
     let world = World::new(Rect::new([0.0, 0.0], [64.0, 64.0])?, obstacles, None);
-    Ok(Task::new("block", Arc::new(world), Robot::disc(1.5)?, [6.0, 34.0], [58.0, 32.0])?)
+    Ok(Task::in_plane("block", Arc::new(world), Robot::disc(1.5)?, [6.0, 34.0], [58.0, 32.0])?)
 }
 
 /// Two panels, the optimizers' iterates in each: one stuck, one through.
 fn comparison() -> Result<Picture, Box<dyn Error>> {
     let task = block_world()?;
+    let task = task.plane()?;
     let iterates = |last: f64| -> Vec<Trajectory> {
         (0..12).map(|i| swung(task.start, task.goal, last * f64::from(i) / 11.0)).collect()
     };
     let panel = |title: &str| {
-        let world = Arc::clone(&task.world);
-        TaskPanel::new(&task).title(title).shade(move |p| clearance(&world, p))
+        let world = Arc::clone(task.world);
+        TaskPanel::new(task).title(title).shade(move |p| clearance(&world, p))
     };
     let stuck = panel("gradient descent: stuck").trace("gradient descent", &iterates(0.12));
     let through = panel("learned: through").trace("learned", &iterates(-0.42));
@@ -91,9 +92,11 @@ fn shapes() -> Result<Picture, Box<dyn Error>> {
         Obstacle::Rect(Rect::new([1.0, 4.4], [2.6, 5.4])?),
     ];
     let world = World::new(Rect::new([0.0, 0.0], [10.0, 6.0])?, obstacles, None);
-    let task = Task::new("shapes", Arc::new(world), Robot::disc(0.25)?, [0.8, 1.2], [9.3, 3.4])?;
+    let task =
+        Task::in_plane("shapes", Arc::new(world), Robot::disc(0.25)?, [0.8, 1.2], [9.3, 3.4])?;
+    let task = task.plane()?;
     let line = swung(task.start, task.goal, 0.0);
-    let panel = TaskPanel::new(&task)
+    let panel = TaskPanel::new(task)
         .title("")
         .path("learned", &swung(task.start, task.goal, -0.04))
         .path("CHOMP", &swung(task.start, task.goal, 0.33))
@@ -144,13 +147,14 @@ fn training() -> Picture {
 
 fn rectangles(text: &str) -> Result<Picture, Box<dyn Error>> {
     let task = read_tasks(text, TaskFormat::Json)?.remove(0);
-    let world = Arc::clone(&task.world);
-    Ok(Picture::new().panel(TaskPanel::new(&task).shade(move |p| clearance(&world, p))))
+    let world = Arc::clone(task.plane()?.world);
+    Ok(Picture::new().panel(TaskPanel::new(task.plane()?).shade(move |p| clearance(&world, p))))
 }
 
 fn office(examples: &Path) -> Result<Picture, Box<dyn Error>> {
     let yaml = fs::read_to_string(examples.join("office.yaml"))?;
     let grid = ros_map::read(&yaml, Unknown::Occupied, |name| fs::read(examples.join(name)))?;
-    let task = Task::new("office", grid_world(grid), Robot::disc(0.25)?, [2.0, 3.8], [18.3, 8.4])?;
-    Ok(Picture::new().panel(TaskPanel::new(&task)))
+    let task =
+        Task::in_plane("office", grid_world(grid), Robot::disc(0.25)?, [2.0, 3.8], [18.3, 8.4])?;
+    Ok(Picture::new().panel(TaskPanel::new(task.plane()?)))
 }

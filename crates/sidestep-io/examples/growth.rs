@@ -12,12 +12,12 @@ use serde_json::{Value, json};
 use sidestep::objective::Objective;
 use sidestep::optimizer::{Method, Optimizer};
 use sidestep::plan::run::{Until, run};
-use sidestep::plan::{Auto, Options, Planner, Watch, plan_batch, plan_in};
+use sidestep::plan::{Auto, Options, Planner, plan, plan_batch};
 use sidestep::plane::geometry::Rect;
 use sidestep::policy::shipped;
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::scene::Scene;
+use sidestep::scene::Query;
 use sidestep::suite::Suite;
 use sidestep::{Certifier, Obstacle, Robot, Task, World};
 use sidestep_io::picture::{BandPoint, Chart, Picture};
@@ -69,7 +69,7 @@ fn field(count: usize, index: u64) -> Task {
         let certifier = Certifier::new(&world, Robot::Point);
         let ends = [[3.0, 3.0], [61.0, 61.0]];
         if ends.iter().all(|&p| certifier.point_is_free(p)) {
-            return Task::new("", Arc::new(world), Robot::Point, ends[0], ends[1]).unwrap();
+            return Task::in_plane("", Arc::new(world), Robot::Point, ends[0], ends[1]).unwrap();
         }
     }
 }
@@ -92,8 +92,7 @@ fn obstacles() -> Vec<Curve> {
             let task = field(count, index);
             let options = Options { steps, ..Options::default() };
             let begin = Instant::now();
-            let scene = Arc::new(Scene::of(&task, &options.profile));
-            plan_in(&scene, &task, planner, &options, Watch::NONE).unwrap();
+            plan(&task, planner, &options).unwrap();
             1e6 * begin.elapsed().as_secs_f64()
         };
         median((0..20).map(once).collect())
@@ -113,12 +112,11 @@ fn waypoints() -> Vec<Curve> {
     ];
     let task = Suite::Easy.generate(1, 2, &Profile::PAPER).remove(0);
     let time = |method: &Method, count: usize| {
-        let scene = Arc::new(Scene::of(&task, &Profile::DEFAULT));
-        let mut objective = Objective::new(&task, scene, count).unwrap();
+        let mut objective = Objective::new(&Query::of(&task, &Profile::DEFAULT), count).unwrap();
         let mut x = vec![0.0; objective.dim()];
         objective.straight_line(&mut x);
         let rng = stream(0, Purpose::Planner, 0, 0);
-        let mut optimizer = Optimizer::new(method, &task, &objective, rng).unwrap();
+        let mut optimizer = Optimizer::new(method, &objective, rng).unwrap();
         let mut times = Vec::new();
         let mut last = Instant::now();
         run(&mut objective, &mut optimizer, &mut x, 200, Until::Spent, |_| {

@@ -8,12 +8,12 @@ use std::time::Instant;
 
 use rand::RngExt;
 use sidestep::optimizer::Method;
-use sidestep::plan::{Auto, Options, Planner, Status, Watch, plan_in};
+use sidestep::plan::{Auto, Options, Planner, plan};
 use sidestep::plane::geometry::Rect;
 use sidestep::policy::shipped;
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::scene::Scene;
+use sidestep::scene::{Query, Setting};
 use sidestep::suite::Suite;
 use sidestep::{Certifier, Obstacle, Route, Task, Trajectory, World};
 
@@ -68,9 +68,9 @@ fn main() {
             if moved > 0 {
                 task = after_a_move(&task, &mut rng);
             }
-            let certifier = Certifier::new(&task.world, task.robot);
-            let route = sidestep::ShortestPath::of(certifier).find(task.start, task.goal);
-            let is_solvable = matches!(route, Route::Found { .. });
+            let query = Query::of(&task, &Profile::DEFAULT);
+            let route = query.scene().exact(query.start(), query.goal(), &|| true);
+            let is_solvable = matches!(route, Some(Route::Found { .. }));
             for row in &mut rows {
                 row.plan(&task, is_solvable && moved > 0);
             }
@@ -94,10 +94,9 @@ impl Row {
         let warm_start = self.last.clone().filter(|_| self.is_warm);
         let options = Options { steps: self.steps, warm_start, ..Options::default() };
         let begin = Instant::now();
-        let scene = Arc::new(Scene::of(task, &options.profile));
-        let plan = plan_in(&scene, task, &self.planner, &options, Watch::NONE).unwrap();
+        let plan = plan(task, &self.planner, &options).unwrap();
         let time = begin.elapsed().as_secs_f64();
-        let solved = plan.status == Status::Solved;
+        let solved = plan.is_solved();
         if counts {
             self.asked += 1;
             self.solved += usize::from(solved);
@@ -105,7 +104,7 @@ impl Row {
             self.times.push(1e6 * time);
         }
         // A failed walk is no start worth keeping.
-        self.last = plan.trajectory.filter(|_| solved);
+        self.last = plan.certified().cloned();
     }
 
     fn json(&mut self) -> serde_json::Value {
@@ -125,17 +124,19 @@ impl Row {
 
 /// The task with one obstacle moved so that start and goal stay free.
 fn after_a_move(task: &Task, rng: &mut rand_chacha::ChaCha8Rng) -> Task {
+    let plane = task.plane().unwrap();
     loop {
-        let mut obstacles = task.world.obstacles().to_vec();
+        let mut obstacles = plane.world.obstacles().to_vec();
         let which = rng.random_range(0..obstacles.len());
         let Rect { min, max } = obstacles[which].bounding_box();
         let by = [0, 1].map(|_| rng.random_range(-FAR..FAR));
         let shift = |p: [f64; 2]| [p[0] + by[0], p[1] + by[1]];
         obstacles[which] = Obstacle::Rect(Rect::new(shift(min), shift(max)).unwrap());
-        let world = World::new(task.world.bounds(), obstacles, None);
-        let certifier = Certifier::new(&world, task.robot);
-        if certifier.point_is_free(task.start) && certifier.point_is_free(task.goal) {
-            return Task { world: Arc::new(world), ..task.clone() };
+        let world = World::new(plane.world.bounds(), obstacles, None);
+        let certifier = Certifier::new(&world, plane.robot);
+        if certifier.point_is_free(plane.start) && certifier.point_is_free(plane.goal) {
+            let setting = Setting::Plane { world: Arc::new(world), robot: plane.robot };
+            return Task { setting, ..task.clone() };
         }
     }
 }

@@ -59,11 +59,10 @@ impl Query {
                 format!("{} x {}, the size of the map {}", size.0, size.1, quoted(&self.map)),
             ));
         }
-        Task::new(self.map_file_name(), Arc::clone(world), robot, self.start, self.goal).map_err(
-            |invalid| {
+        Task::in_plane(self.map_file_name(), Arc::clone(world), robot, self.start, self.goal)
+            .map_err(|invalid| {
                 FormatError::new(SCEN, Place::field(invalid.field), invalid.value, invalid.allowed)
-            },
-        )
+            })
     }
 }
 

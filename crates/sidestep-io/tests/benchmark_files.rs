@@ -16,8 +16,8 @@ fn barn_and_mpnet_files() {
     let tasks = barn::read(text, 0.2).unwrap();
     let names: Vec<&str> = tasks.iter().map(|task| task.name.as_str()).collect();
     assert_eq!(names, ["barn/2", "barn/10"]);
-    assert_eq!(tasks[0].world.bounds().min, [-5.0, 0.0]);
-    assert_eq!(tasks[0].world.bounds().max, [1.0, 13.7]);
+    assert_eq!(tasks[0].plane().unwrap().world.bounds().min, [-5.0, 0.0]);
+    assert_eq!(tasks[0].plane().unwrap().world.bounds().max, [1.0, 13.7]);
     for (from, to, message) in [
         (
             "0.075",
@@ -45,6 +45,7 @@ fn barn_and_mpnet_files() {
     let task = worlds.task(0, robot, 7).unwrap();
     assert_eq!(task, worlds.task(0, robot, 7).unwrap());
     assert_ne!(task, worlds.task(0, robot, 8).unwrap());
+    let task = task.plane().unwrap();
     for p in [task.start, task.goal] {
         assert!(task.world.obstacles().iter().all(|block| block.signed_distance(p) > 0.5));
     }

@@ -36,6 +36,7 @@ fn movingai_maps_and_queries() {
         for query in &queries {
             let task = query.task(&world, Robot::Point).unwrap();
             let grid = world.grid().unwrap();
+            let task = task.plane().unwrap();
             for p in [task.start, task.goal] {
                 let (column, row) = grid.cell_of(p);
                 assert!(!grid.is_occupied(column, row), "{path:?} {query:?}");
@@ -69,13 +70,14 @@ fn barn_worlds() {
     let tasks = barn::read(&text, 0.25).unwrap();
     assert_eq!(tasks.len(), 150);
     for task in &tasks {
+        let task = task.plane().unwrap();
         for p in [task.start, task.goal] {
             let nearest = task.world.obstacles().iter().map(|shape| shape.signed_distance(p));
             assert!(nearest.fold(f64::INFINITY, f64::min) > 0.0, "{}", task.name);
             assert!(task.world.bounds().contains(p));
         }
     }
-    let written = write_tasks(&tasks, TaskFormat::JsonLines);
+    let written = write_tasks(&tasks, TaskFormat::JsonLines).unwrap();
     assert_eq!(read_tasks(&written, TaskFormat::JsonLines).unwrap(), tasks);
 }
 
@@ -88,6 +90,7 @@ fn mpnet_worlds() {
     assert_eq!(worlds.len(), 77_520);
     for index in (0..worlds.len()).step_by(997) {
         let task = worlds.task(index, Robot::disc(0.5).unwrap(), 7).unwrap();
+        let task = task.plane().unwrap();
         for p in [task.start, task.goal] {
             assert!(task.world.obstacles().iter().all(|block| block.signed_distance(p) > 0.5));
         }

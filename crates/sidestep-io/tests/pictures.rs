@@ -48,14 +48,15 @@ fn task() -> Task {
     let grid = Grid::new(2, 2, 5.0, [40.0, 0.0], vec![true, false, false, false]).unwrap();
     let bounds = Rect::new([0.0, 0.0], [100.0, 80.0]).unwrap();
     let world = Arc::new(World::new(bounds, obstacles, Some(grid)));
-    Task::new("<walls> & \u{1}", world, Robot::disc(3.0).unwrap(), [5.0, 5.0], [90.0, 5.0]).unwrap()
+    Task::in_plane("<walls> & \u{1}", world, Robot::disc(3.0).unwrap(), [5.0, 5.0], [90.0, 5.0])
+        .unwrap()
 }
 
 #[test]
 fn a_task_shows_what_is_where() {
     let task = task();
     let over = Trajectory::from_points(&[[5.0, 5.0], [25.0, 60.0], [90.0, 5.0]]);
-    let panel = TaskPanel::new(&task).title("").path("over", &over).shade(|p| p[1]);
+    let panel = TaskPanel::new(task.plane().unwrap()).title("").path("over", &over).shade(|p| p[1]);
     let picture = Picture::new().panel_width(500.0).panel(panel);
     let svg = picture.to_svg();
     assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
@@ -76,8 +77,9 @@ fn a_task_shows_what_is_where() {
 
 #[test]
 fn text_is_escaped_and_drawn() {
-    let picture = |title: &str| Picture::new().panel(TaskPanel::new(&task()).title(title));
-    let named = Picture::new().panel(TaskPanel::new(&task()));
+    let picture =
+        |title: &str| Picture::new().panel(TaskPanel::new(task().plane().unwrap()).title(title));
+    let named = Picture::new().panel(TaskPanel::new(task().plane().unwrap()));
     assert!(named.to_svg().contains(">&lt;walls&gt; &amp;  </text>"), "{}", named.to_svg());
     let dark = |title: &str| {
         let pixels = Pixels::of(&picture(title).to_png(2.0).unwrap());
@@ -109,18 +111,21 @@ fn charts_show_curves_bars_and_levels() {
 #[test]
 fn legends_are_shared_where_they_agree() {
     let (task, line) = (task(), Trajectory::from_points(&[[5.0, 5.0], [90.0, 5.0]]));
-    let panel = |label: &str| TaskPanel::new(&task).path(label, &line);
+    let panel = |label: &str| TaskPanel::new(task.plane().unwrap()).path(label, &line);
     let legends = |picture: Picture| picture.to_svg().matches(">goal</text>").count();
     assert_eq!(legends(Picture::new().panel(panel("gd")).panel(panel("gd"))), 1);
     assert_eq!(legends(Picture::new().panel(panel("gd")).panel(panel("learned"))), 2);
-    let own = TaskPanel::new(&task).path_in("learned", &line, palette(1));
+    let own = TaskPanel::new(task.plane().unwrap()).path_in("learned", &line, palette(1));
     assert_eq!(legends(Picture::new().panel(panel("gd")).panel(own)), 1);
 }
 
 #[test]
 fn a_bitmap_beyond_reason_is_refused() {
     for scale in [100.0, f64::NAN, f64::INFINITY] {
-        let error = Picture::new().panel(TaskPanel::new(&task())).to_png(scale).unwrap_err();
+        let error = Picture::new()
+            .panel(TaskPanel::new(task().plane().unwrap()))
+            .to_png(scale)
+            .unwrap_err();
         assert!(error.to_string().starts_with("PNG picture, width x height: found "), "{error}");
         assert!(error.to_string().contains("at most 16384 on either side"), "{error}");
     }
@@ -175,10 +180,10 @@ proptest! {
         let circle = Obstacle::Circle(Circle::new(circle.0, circle.1).unwrap());
         let world = Arc::new(World::new(bounds, vec![circle], None));
         let robot = Robot::disc(1e3).unwrap();
-        let task = Task::new("", world, robot, [0.0, 0.0], [1e9, -1e9]).unwrap();
+        let task = Task::in_plane("", world, robot, [0.0, 0.0], [1e9, -1e9]).unwrap();
         let trajectory = Trajectory::from_points(&values);
         let shade = values.first().copied().unwrap_or_default();
-        let panel = TaskPanel::new(&task)
+        let panel = TaskPanel::new(task.plane().unwrap())
             .path("path", &trajectory)
             .dashed_path("dashed", &trajectory)
             .trace("trace", &[trajectory.clone(), trajectory.clone()])

@@ -224,9 +224,9 @@ fn faults_of_whole_files_are_placed() {
 fn the_example_is_canonical() {
     let text = include_str!("../../../examples/rectangles.json");
     let tasks = read_tasks(text, TaskFormat::Json).unwrap();
-    assert_eq!(tasks[0].world.obstacles().len(), 10);
-    assert_eq!(tasks[0].world.bounds().max, [64.0, 64.0]);
-    assert_eq!(write_tasks(&tasks, TaskFormat::Json), text);
+    assert_eq!(tasks[0].plane().unwrap().world.obstacles().len(), 10);
+    assert_eq!(tasks[0].plane().unwrap().world.bounds().max, [64.0, 64.0]);
+    assert_eq!(write_tasks(&tasks, TaskFormat::Json).unwrap(), text);
 }
 
 /// A check of the draft 2020-12 keywords that our schema uses; any other keyword fails the test.

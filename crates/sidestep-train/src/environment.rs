@@ -16,9 +16,8 @@ use sidestep::policy::ActionRule;
 use sidestep::policy::observation::{Encoder, ObservationPart};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::scene::Scene;
+use sidestep::scene::Query;
 use sidestep::{InvalidInput, Task};
-use std::sync::Arc;
 
 /// A task made ready: its objective and its encoder.
 #[derive(Debug, Clone)]
@@ -40,13 +39,12 @@ impl Problem {
         waypoints: usize,
         parts: &[ObservationPart],
     ) -> Result<Self, InvalidInput> {
-        let scene = Arc::new(Scene::new(&task.world, task.robot, profile));
-        let objective = Objective::new(task, scene, waypoints)?;
-        let encoder = Encoder::new(parts, &objective, &task.world)?;
+        let objective = Objective::new(&Query::of(task, profile), waypoints)?;
+        let encoder = Encoder::new(parts, &objective)?;
         Ok(Self { objective, encoder })
     }
 
-    /// U at `x [N x 2]`, with `gradient [N x 2]` and `observation` written.
+    /// U at `x [N x dof]`, with `gradient [N x dof]` and `observation` written.
     pub fn observe(&mut self, x: &[f32], gradient: &mut [f32], observation: &mut [f32]) -> Cost {
         let cost = self.objective.cost_and_gradient(x, gradient);
         self.encoder.encode(&self.objective, x, gradient, observation);
@@ -109,7 +107,7 @@ pub struct Saved {
     pub age: u32,
     /// Position in its stream, in words.
     pub stream_position: u128,
-    /// The waypoints, `[N x 2]`.
+    /// The waypoints, `[N x dof]`.
     pub x: Vec<f32>,
     /// The observation there.
     pub observation: Vec<f32>,
@@ -122,7 +120,7 @@ pub struct Saved {
 pub struct Stuck {
     /// Index of its task in the training set.
     pub task: usize,
-    /// The waypoints, `[N x 2]`.
+    /// The waypoints, `[N x dof]`.
     pub x: Vec<f32>,
     /// What the encoder remembers.
     pub memory: Vec<f32>,
@@ -152,7 +150,7 @@ impl Environment {
         &self.observation
     }
 
-    /// The waypoints now, `[N x 2]`, normalised units.
+    /// The waypoints now, `[N x dof]`, normalised units.
     pub fn waypoints(&self) -> &[f32] {
         &self.x
     }
@@ -168,10 +166,10 @@ impl Environment {
         Stuck { task: self.task, x: self.x.clone(), memory }
     }
 
-    /// Applies `action [N x 2]`. After an outcome that is `done`, call [`Environment::reset`].
+    /// Applies `action [N x dof]`. After an outcome that is `done`, call [`Environment::reset`].
     pub fn step(&mut self, action: &[f32], rules: &Rules) -> Outcome {
-        let field = self.problem.objective.scene().field_size();
-        rules.action.apply(action, field, &mut self.x);
+        let limits = self.problem.objective.scene().normalised_limits();
+        rules.action.apply(action, limits, &mut self.x);
         self.age += 1;
         let cost = self.problem.observe(&self.x, &mut self.gradient, &mut self.observation);
         let solved = self.problem.objective.is_feasible(&self.x);

@@ -10,7 +10,7 @@ use sidestep::plan::run::{Until, run};
 use sidestep::policy::Policy;
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::scene::Scene;
+use sidestep::scene::Query;
 use sidestep::suite::Suite;
 use sidestep_train::{TrainConfig, Trainer};
 
@@ -158,11 +158,10 @@ fn same_policy(text: &str) {
     let (mut solved, mut iterations) = (0, 0);
     let checks = &trained.config().validation;
     for task in Suite::Easy.generate(checks.count, 7, &Profile::PAPER) {
-        let scene = Arc::new(Scene::new(&task.world, task.robot, &Profile::PAPER));
-        let mut objective = Objective::new(&task, scene, 10).unwrap();
+        let mut objective = Objective::new(&Query::of(&task, &Profile::PAPER), 10).unwrap();
         let rng = stream(0, Purpose::Planner, 0, 0);
         let method = Method::Learned(policy.clone());
-        let mut optimizer = Optimizer::new(&method, &task, &objective, rng).unwrap();
+        let mut optimizer = Optimizer::new(&method, &objective, rng).unwrap();
         let mut x = vec![0.0; objective.dim()];
         objective.straight_line(&mut x);
         let run =

@@ -11,13 +11,14 @@ use divan::counter::ItemsCount;
 use sidestep::network::Scratch;
 use sidestep::objective::Objective;
 use sidestep::objective::reference;
-use sidestep::optimizer::{Method, Optimizer};
+use sidestep::optimizer::{Known, Method, Optimizer};
+use sidestep::plane::Subject;
 use sidestep::plane::view::TaskMap;
 use sidestep::policy::observation::Encoder;
 use sidestep::policy::{Policy, PolicyNetwork};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::scene::Scene;
+use sidestep::scene::{Query, Scene};
 use sidestep::suite::Suite;
 
 fn main() {
@@ -27,7 +28,7 @@ fn main() {
 const TASKS: usize = 256;
 
 struct Batch {
-    objectives: Vec<(Objective, Arc<Scene>)>,
+    objectives: Vec<Objective>,
     x: Vec<Vec<f32>>,
 }
 
@@ -36,14 +37,13 @@ fn batch(profile: &Profile) -> Batch {
     let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
     let mut batch = Batch { objectives: Vec::new(), x: Vec::new() };
     for task in &tasks {
-        let scene = Arc::new(Scene::new(&task.world, task.robot, profile));
-        let mut objective = Objective::new(task, scene.clone(), 10).unwrap();
+        let mut objective = Objective::new(&Query::of(task, profile), 10).unwrap();
         let mut x = vec![0.0; 20];
         objective.straight_line(&mut x);
         for _ in 0..20 {
             step(&mut objective, profile, &mut x);
         }
-        batch.objectives.push((objective, scene));
+        batch.objectives.push(objective);
         batch.x.push(x);
     }
     batch
@@ -64,7 +64,7 @@ fn gradient_descent(bencher: divan::Bencher, name: &str) {
     let profile = profile(name);
     let mut batch = batch(&profile);
     bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
-        for ((objective, _), x) in batch.objectives.iter_mut().zip(&mut batch.x) {
+        for (objective, x) in batch.objectives.iter_mut().zip(&mut batch.x) {
             step(objective, &profile, x);
         }
     });
@@ -76,7 +76,7 @@ fn gradient_descent_with_check(bencher: divan::Bencher, name: &str) {
     let mut batch = batch(&profile);
     bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
         let mut feasible = 0;
-        for ((objective, _), x) in batch.objectives.iter_mut().zip(&mut batch.x) {
+        for (objective, x) in batch.objectives.iter_mut().zip(&mut batch.x) {
             step(objective, &profile, x);
             feasible += usize::from(objective.is_feasible(x));
         }
@@ -92,21 +92,20 @@ const POLICY: &[u8] = include_bytes!("../../../policies/paper-mlp-80k.safetensor
 fn learned_alone(bencher: divan::Bencher) {
     let mut batch = batch(&Profile::PAPER);
     let method = Method::Learned(Arc::new(Policy::from_safetensors(POLICY).unwrap()));
-    let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
-    let mut optimizers: Vec<Optimizer> = tasks
+    let mut optimizers: Vec<Optimizer> = batch
+        .objectives
         .iter()
-        .zip(&batch.objectives)
-        .map(|(task, (objective, _))| {
+        .map(|objective| {
             let rng = stream(0, Purpose::Planner, 0, 0);
-            Optimizer::new(&method, task, objective, rng).unwrap()
+            Optimizer::new(&method, objective, rng).unwrap()
         })
         .collect();
     let mut gradient = [0.0; 20];
     bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
         let trajectories = batch.objectives.iter_mut().zip(&mut batch.x);
-        for (((objective, _), x), optimizer) in trajectories.zip(&mut optimizers) {
+        for ((objective, x), optimizer) in trajectories.zip(&mut optimizers) {
             let cost = objective.cost_and_gradient(x, &mut gradient);
-            optimizer.step(x, cost, &gradient, objective);
+            optimizer.step(x, Known { cost, gradient: &gradient, free: &[] }, objective);
         }
     });
 }
@@ -120,21 +119,21 @@ fn shipped_alone(bencher: divan::Bencher, name: &str) {
     } else {
         sidestep::policy::shipped::sidestep_1_small()
     };
-    let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
-    let mut optimizers: Vec<Optimizer> = tasks
+    let mut optimizers: Vec<Optimizer> = batch
+        .objectives
         .iter()
-        .zip(&batch.objectives)
-        .map(|(task, (objective, _))| {
+        .map(|objective| {
             let method = Method::Learned(policy.clone());
-            Optimizer::new(&method, task, objective, stream(0, Purpose::Planner, 0, 0)).unwrap()
+            Optimizer::new(&method, objective, stream(0, Purpose::Planner, 0, 0)).unwrap()
         })
         .collect();
-    let costs: Vec<_> =
-        batch.objectives.iter_mut().zip(&batch.x).map(|((o, _), x)| o.cost(x)).collect();
+    let mut free = [false; 11];
+    let costs: Vec<_> = batch.objectives.iter_mut().zip(&batch.x).map(|(o, x)| o.cost(x)).collect();
     bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
         let trajectories = batch.objectives.iter_mut().zip(&mut batch.x).zip(&costs);
-        for ((((objective, _), x), cost), optimizer) in trajectories.zip(&mut optimizers) {
-            optimizer.step(x, *cost, &[], objective);
+        for (((objective, x), cost), optimizer) in trajectories.zip(&mut optimizers) {
+            objective.free_segments(x, &mut free);
+            optimizer.step(x, Known { cost: *cost, gradient: &[], free: &free }, objective);
         }
     });
 }
@@ -147,8 +146,10 @@ fn shipped_map(bencher: divan::Bencher) {
     let PolicyNetwork::Waypoint { view, network } = policy.network() else { return };
     let Some(shape) = &view.map else { return };
     bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
-        for (objective, _) in &batch.objectives {
-            network.read_map(divan::black_box(TaskMap::new(shape, objective)).scratch());
+        for objective in &batch.objectives {
+            network.read_map(
+                divan::black_box(TaskMap::new(shape, objective.plane().unwrap())).scratch(),
+            );
         }
     });
 }
@@ -159,26 +160,22 @@ fn learned_in_a_batch(bencher: divan::Bencher, together: usize) {
     let mut batch = batch(&Profile::PAPER);
     let policy = Policy::from_safetensors(POLICY).unwrap();
     let PolicyNetwork::Whole { network, parts } = policy.network() else { unreachable!() };
-    let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
-    let mut encoders: Vec<Encoder> = tasks
-        .iter()
-        .zip(&batch.objectives)
-        .map(|(task, (objective, _))| Encoder::new(parts, objective, &task.world).unwrap())
-        .collect();
+    let mut encoders: Vec<Encoder> =
+        batch.objectives.iter().map(|objective| Encoder::new(parts, objective).unwrap()).collect();
     let (mut gradient, mut scratch) = ([0.0; 20], Scratch::default());
     let mut observations = vec![0.0; 20 * together];
     bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
         let groups = batch.objectives.chunks_mut(together).zip(batch.x.chunks_mut(together));
         for ((objectives, xs), encoders) in groups.zip(encoders.chunks_mut(together)) {
             let rows = observations.chunks_exact_mut(20).zip(&mut *encoders);
-            for (((objective, _), x), (row, encoder)) in objectives.iter_mut().zip(&*xs).zip(rows) {
+            for ((objective, x), (row, encoder)) in objectives.iter_mut().zip(&*xs).zip(rows) {
                 objective.cost_and_gradient(x, &mut gradient);
                 encoder.encode(objective, x, &gradient, row);
             }
             network.forward_batch(&observations, &mut scratch);
-            for (index, ((objective, _), x)) in objectives.iter().zip(xs).enumerate() {
-                let field = objective.scene().field_size();
-                policy.card().action.apply(scratch.output(index), field, x);
+            for (index, (objective, x)) in objectives.iter().zip(xs).enumerate() {
+                let limits = objective.scene().normalised_limits();
+                policy.card().action.apply(scratch.output(index), limits, x);
             }
         }
     });
@@ -190,10 +187,9 @@ fn reference(bencher: divan::Bencher, name: &str) {
     let batch = batch(&profile);
     bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
         let mut total = 0.0;
-        for ((objective, scene), x) in batch.objectives.iter().zip(&batch.x) {
-            let (start, goal) = (objective.start(), objective.goal());
-            let field = scene.field();
-            total += reference::cost_and_gradient(field, &profile, start, goal, x).0;
+        for (objective, x) in batch.objectives.iter().zip(&batch.x) {
+            let Subject { scene, start, goal, .. } = objective.plane().unwrap();
+            total += reference::cost_and_gradient(scene.field(), &profile, start, goal, x).0;
         }
         total
     });
@@ -205,7 +201,7 @@ fn prepare_scene(bencher: divan::Bencher, name: &str) {
     let tasks = Suite::Easy.generate(TASKS, 7, &Profile::PAPER);
     bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
         for task in &tasks {
-            divan::black_box(Scene::of(task, &profile).field());
+            divan::black_box(Scene::of(task, &profile).plane().unwrap().field());
         }
     });
 }

@@ -10,7 +10,8 @@ use std::time::Instant;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sidestep::plane::geometry::{Point, Rect};
-use sidestep::{Certifier, Obstacle, Robot, Route, RrtConnect, ShortestPath, Task, World};
+use sidestep::profile::Profile;
+use sidestep::{Certifier, Obstacle, Query, Robot, Route, RrtConnect, ShortestPath, Task, World};
 
 /// Random tasks for each measurement.
 const TASKS: usize = 5000;
@@ -89,7 +90,7 @@ fn time_shortest_path(rng: &mut ChaCha8Rng, robot: Robot) {
         match route {
             Route::Found { trajectory, length, lower_bound } => {
                 found += 1;
-                straight += usize::from(trajectory.points().len() == 2);
+                straight += usize::from(trajectory.len() == 2);
                 gap = gap.max(length / lower_bound.max(1e-12) - 1.0);
             }
             Route::Unsolvable(_) => unsolvable += 1,
@@ -111,12 +112,14 @@ fn time_rrt_connect(rng: &mut ChaCha8Rng, planner: &RrtConnect) {
     for _ in 0..TASKS {
         let (world, start, goal) = random_task(rng);
         let best = ShortestPath::new(&world, Robot::Point).find(start, goal).length();
-        let Ok(task) = Task::new("", Arc::new(world), Robot::Point, start, goal) else { continue };
-        let certifier = Certifier::new(&task.world, task.robot);
+        let Ok(task) = Task::in_plane("", Arc::new(world), Robot::Point, start, goal) else {
+            continue;
+        };
+        let query = Query::of(&task, &Profile::DEFAULT);
         let Some(best) = best else { continue };
         solvable += 1;
         let clock = Instant::now();
-        let run = planner.plan(&task, &certifier, &mut planner_rng);
+        let run = planner.plan(&query, &mut planner_rng);
         times.push(clock.elapsed().as_nanos() as f64 * 1e-3);
         checks += run.checks;
         if let Some(found) = run.trajectory {

@@ -15,21 +15,19 @@ pub mod plane;
 pub mod policy;
 pub mod profile;
 pub mod rng;
-mod robot;
 pub mod scene;
 pub mod space;
 pub mod suite;
-mod task;
-mod trajectory;
+pub mod trajectory;
 
 pub use error::InvalidInput;
 pub use plan::rrt_connect::{RrtConnect, RrtRun};
-pub use plane::certificate::{Certifier, Violation, certify};
+pub use plane::Robot;
+pub use plane::certificate::Certifier;
 pub use plane::shortest_path::{Route, ShortestPath};
 pub use plane::world::{Grid, MAX_GRID_CELLS, Obstacle, World};
-pub use robot::Robot;
-pub use task::Task;
-pub use trajectory::Trajectory;
+pub use scene::{Certified, PlaneTask, Query, Scene, Setting, Task, certify};
+pub use trajectory::{Trajectory, Violation};
 
 /// The README's examples are tests.
 #[cfg(doctest)]

@@ -4,7 +4,6 @@
 //! does the same job right. A profile is data, so both share every line of code.
 
 use crate::error::InvalidInput;
-use crate::plane::geometry::{Point, Rect};
 
 /// How the obstacle cost averages waypoints and substeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +50,7 @@ pub struct Profile {
     /// Obstacle clearance ε under which a point is penalised, in normalised units.
     pub epsilon: f64,
     /// Whether ε is at most the typical clearance where the world is a map, whose passages are
-    /// narrow beside its extent ([`crate::scene::Scene::epsilon`]).
+    /// narrow beside its extent ([`crate::Scene::epsilon`]).
     pub fits_epsilon_to_maps: bool,
     /// Weight λ of the length cost.
     pub lambda: f64,
@@ -118,42 +117,5 @@ impl Profile {
             "paper" => Ok(Self::PAPER),
             _ => Err(InvalidInput::new("profile", name, Self::NAMES.join(" or "))),
         }
-    }
-
-    /// The map between task units and normalised units for a field with these bounds.
-    pub fn frame(&self, bounds: Rect) -> Frame {
-        let scale = bounds.extent() / NORMALISED_EXTENT;
-        // The paper's x = 0.1 (u + 0.5): its pixel image is read half a pixel off.
-        let shift = if self.distance == DistanceKind::PaperImage { scale * 0.05 } else { 0.0 };
-        Frame { origin: [bounds.min[0] - shift, bounds.min[1] - shift], scale }
-    }
-}
-
-/// The similarity between task units and normalised units: `normalised = (task - origin) / scale`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
-    /// The task-unit point at the normalised origin.
-    pub origin: Point,
-    /// Task units per normalised unit.
-    pub scale: f64,
-}
-
-impl Frame {
-    /// Task units to normalised units.
-    #[inline]
-    pub fn to_normalised(&self, p: Point) -> [f32; 2] {
-        [
-            ((p[0] - self.origin[0]) / self.scale) as f32,
-            ((p[1] - self.origin[1]) / self.scale) as f32,
-        ]
-    }
-
-    /// Normalised units to task units.
-    #[inline]
-    pub fn to_task(&self, p: [f32; 2]) -> Point {
-        [
-            f64::from(p[0]) * self.scale + self.origin[0],
-            f64::from(p[1]) * self.scale + self.origin[1],
-        ]
     }
 }

@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use serde_json::Value;
 use sidestep::objective::Objective;
+use sidestep::plane::Frame;
 use sidestep::plane::certificate::Certifier;
 use sidestep::plane::distance::Field;
 use sidestep::plane::geometry::{Circle, ConvexPolygon, Point, Rect};
 use sidestep::profile::{Averaging, Profile};
-use sidestep::scene::Scene;
-use sidestep::{Obstacle, Robot, Task, World};
+use sidestep::{Obstacle, Query, Robot, Task, World};
 
 fn golden() -> Value {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../oracle/golden/objective.json");
@@ -62,7 +62,7 @@ fn paper_profile() {
         let name = case["name"].as_str().unwrap();
         let world = world(case, bounds);
         let (start, goal) = (point(&case["start"]), point(&case["goal"]));
-        let task = Task::new(name, world.clone(), Robot::Point, start, goal).unwrap();
+        let task = Task::in_plane(name, world.clone(), Robot::Point, start, goal).unwrap();
         let field = Field::new(&world, Robot::Point, &Profile::PAPER);
         for ((p, distance), sobel) in list(&case["points_world"])
             .iter()
@@ -83,8 +83,7 @@ fn paper_profile() {
             for (profile, key) in
                 [(&Profile::PAPER, "gradient_paper"), (&true_gradient, "gradient_true")]
             {
-                let scene = Arc::new(Scene::new(&world, Robot::Point, profile));
-                let mut objective = Objective::new(&task, scene, 10).unwrap();
+                let mut objective = Objective::new(&Query::of(&task, profile), 10).unwrap();
                 let mut gradient = vec![0.0; 20];
                 let cost = objective.cost_and_gradient(&x, &mut gradient);
                 let label = format!("{name} {}", trajectory["kind"]);
@@ -108,9 +107,8 @@ fn paper_gradient_descent_ends_where_the_oracle_ends() {
         let name = case["name"].as_str().unwrap();
         let world = world(case, bounds);
         let (start, goal) = (point(&case["start"]), point(&case["goal"]));
-        let task = Task::new(name, world.clone(), Robot::Point, start, goal).unwrap();
-        let scene = Arc::new(Scene::new(&world, Robot::Point, &Profile::PAPER));
-        let mut objective = Objective::new(&task, scene, 10).unwrap();
+        let task = Task::in_plane(name, world.clone(), Robot::Point, start, goal).unwrap();
+        let mut objective = Objective::new(&Query::of(&task, &Profile::PAPER), 10).unwrap();
         let (mut x, mut gradient) = (vec![0.0; 20], vec![0.0; 20]);
         objective.straight_line(&mut x);
         let mut first = objective.is_feasible(&x).then_some(0);
@@ -149,8 +147,8 @@ fn exact_profile() {
         let world = world(case, bounds);
         let robot = Robot::disc(number(&case["robot_radius"])).unwrap();
         let (start, goal) = (point(&case["start"]), point(&case["goal"]));
-        let task = Task::new(name, world.clone(), robot, start, goal).unwrap();
-        let frame = Profile::DEFAULT.frame(bounds);
+        let task = Task::in_plane(name, world.clone(), robot, start, goal).unwrap();
+        let frame = Frame::new(&Profile::DEFAULT, bounds);
         close(name, frame.scale, number(&case["scale"]), 1e-12);
         let field = Field::new(&world, robot, &Profile::DEFAULT);
         let gradients = list(&case["gradient"]);
@@ -176,8 +174,7 @@ fn exact_profile() {
                 averaging: Averaging::Grouped,
                 ..Profile::DEFAULT
             };
-            let scene = Arc::new(Scene::new(&world, robot, &profile));
-            let mut objective = Objective::new(&task, scene, x.len() / 2).unwrap();
+            let mut objective = Objective::new(&Query::of(&task, &profile), x.len() / 2).unwrap();
             let mut gradient = vec![0.0; x.len()];
             let cost = objective.cost_and_gradient(&x, &mut gradient);
             let label = format!("{name} {}", trajectory["kind"]);

@@ -1,16 +1,15 @@
 //! Every start of every task, iterate by iterate.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 use indicatif::ProgressBar;
+use sidestep::InvalidInput;
 use sidestep::objective::Objective;
 use sidestep::optimizer::{Method, Optimizer};
 use sidestep::plan::Options;
 use sidestep::plan::run::{Run, Until, run};
 use sidestep::rng::{Purpose, stream};
-use sidestep::scene::Scene;
-use sidestep::{InvalidInput, Task};
+use sidestep::scene::Query;
 
 use super::measure::{TaskSet, in_scenes};
 use crate::failure::Failure;
@@ -86,8 +85,8 @@ fn all_runs(
 ) -> Result<Vec<Vec<Run>>, Failure> {
     let mut all = Vec::new();
     for set in sets {
-        let run_one = |scene: &Arc<Scene>, index: usize, task: &Task| {
-            let outcome = all_starts(scene, task, index as u64, method, options, race);
+        let run_one = |query: &Query, index: usize| {
+            let outcome = all_starts(query, index as u64, method, options, race);
             bar.inc(1);
             outcome
         };
@@ -98,7 +97,6 @@ fn all_runs(
 
 /// The starts of one task.
 pub(super) struct Walk<'a> {
-    task: &'a Task,
     index: u64,
     method: &'a Method,
     pub options: &'a Options,
@@ -108,21 +106,20 @@ pub(super) struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     pub fn new(
-        scene: &Arc<Scene>,
-        task: &'a Task,
+        query: &Query,
         index: u64,
         method: &'a Method,
         options: &'a Options,
     ) -> Result<Self, InvalidInput> {
         let waypoints = options.waypoints.unwrap_or(options.profile.waypoints);
-        let objective = Objective::new(task, scene.clone(), waypoints)?;
+        let objective = Objective::new(query, waypoints)?;
         let x = vec![0.0; objective.dim()];
-        Ok(Self { task, index, method, options, objective, x })
+        Ok(Self { index, method, options, objective, x })
     }
 
     /// Puts x at a start, and begins the method there.
     pub fn begin(&mut self, start: usize) -> Result<Optimizer, InvalidInput> {
-        let Self { task, index, method, options, objective, x } = self;
+        let Self { index, method, options, objective, x } = self;
         if start == 0 {
             objective.straight_line(x);
         } else {
@@ -130,20 +127,19 @@ impl<'a> Walk<'a> {
             options.strategy.draw(objective, &mut rng, x);
         }
         let rng = stream(options.seed, Purpose::Planner, *index, start as u64);
-        Optimizer::new(method, task, objective, rng)
+        Optimizer::new(method, objective, rng)
     }
 }
 
 /// Runs every start. In a race a run ends where it is certified, or where no later iterate could be the first of all starts.
 fn all_starts(
-    scene: &Arc<Scene>,
-    task: &Task,
+    query: &Query,
     index: u64,
     method: &Method,
     options: &Options,
     race: bool,
 ) -> Result<Vec<Run>, InvalidInput> {
-    let mut walk = Walk::new(scene, task, index, method, options)?;
+    let mut walk = Walk::new(query, index, method, options)?;
     let mut runs = Vec::with_capacity(options.starts);
     for start in 0..options.starts {
         let mut optimizer = walk.begin(start)?;

@@ -10,8 +10,8 @@ use std::sync::Arc;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use sidestep::optimizer::Method;
-use sidestep::plan::{Auto, Options, Plan, Planner, Status, Watch, by_world, plan_in};
-use sidestep::scene::Scene;
+use sidestep::plan::{Auto, Options, Plan, Planner, Watch, by_setting, plan_in};
+use sidestep::scene::{Query, Scene};
 use sidestep::{InvalidInput, Task, Trajectory};
 
 use super::iterates::{Walk, every_iterate};
@@ -58,7 +58,7 @@ pub fn row(
     for set in sets {
         outcomes.push(plans(set, planner, options, bar)?);
     }
-    let solved = |plans: &[Plan]| plans.iter().filter(|p| p.status == Status::Solved).count();
+    let solved = |plans: &[Plan]| plans.iter().filter(|p| p.is_solved()).count();
     let shares: Vec<f64> =
         outcomes.iter().map(|plans| solved(plans) as f64 / plans.len() as f64).collect();
     let tasks: usize = sets.iter().map(|set| set.tasks.len()).sum();
@@ -70,12 +70,10 @@ pub fn row(
     let count = |keep: fn(&Exact) -> bool| pairs().filter(|(_, exact)| keep(exact)).count();
     let solvable = count(|exact| matches!(exact, Exact::Solvable { .. }));
     let solved_solvable = pairs()
-        .filter(|(plan, exact)| {
-            plan.status == Status::Solved && matches!(exact, Exact::Solvable { .. })
-        })
+        .filter(|(plan, exact)| plan.is_solved() && matches!(exact, Exact::Solvable { .. }))
         .count();
     let contradictions = pairs()
-        .filter(|(plan, exact)| plan.status == Status::Solved && matches!(exact, Exact::Unsolvable))
+        .filter(|(plan, exact)| plan.is_solved() && matches!(exact, Exact::Unsolvable))
         .count();
     let mut ratios = quality(pairs(), |path, length| path.length() / length);
     let mut roughness = quality(pairs(), |path, length| path.roughness() / (length * length));
@@ -127,8 +125,8 @@ pub fn check_fit(sets: &[TaskSet], planner: &Planner, options: &Options) -> Resu
         _ => return Ok(()),
     };
     for set in sets {
-        in_scenes(set, options, |scene, index, task| {
-            Walk::new(scene, task, index as u64, method, options)?.begin(0).map(drop)
+        in_scenes(set, options, |query, index| {
+            Walk::new(query, index as u64, method, options)?.begin(0).map(drop)
         })?;
     }
     Ok(())
@@ -141,25 +139,25 @@ pub fn plans(
     options: &Options,
     bar: &ProgressBar,
 ) -> Result<Vec<Plan>, Failure> {
-    let plan_one = |scene: &Arc<Scene>, index: usize, task: &Task| {
-        let outcome = plan_indexed(scene, index, task, planner, options);
+    let plan_one = |query: &Query, index: usize| {
+        let outcome = plan_indexed(query, index, planner, options);
         bar.inc(1);
         outcome
     };
     in_scenes(set, options, plan_one)
 }
 
-/// Calls `work` with every task, its index and its scene, on all cores.
+/// Calls `work` with every task's query and its index, on all cores.
 pub(super) fn in_scenes<T: Send>(
     set: &TaskSet,
     options: &Options,
-    work: impl Fn(&Arc<Scene>, usize, &Task) -> Result<T, InvalidInput> + Sync,
+    work: impl Fn(&Query, usize) -> Result<T, InvalidInput> + Sync,
 ) -> Result<Vec<T>, Failure> {
-    let outcomes: Result<Vec<Vec<T>>, _> = by_world(&set.tasks)
+    let outcomes: Result<Vec<Vec<T>>, _> = by_setting(&set.tasks)
         .into_par_iter()
         .map(|(first, tasks)| {
             let scene = Arc::new(Scene::of(&tasks[0], &options.profile));
-            let work = |(offset, task)| work(&scene, first + offset, task);
+            let work = |(offset, task)| work(&Query::new(&scene, task)?, first + offset);
             tasks.par_iter().enumerate().map(work).collect()
         })
         .collect();
@@ -169,14 +167,13 @@ pub(super) fn in_scenes<T: Send>(
 
 /// Plans the task of that index, which is the number of its random stream.
 pub(super) fn plan_indexed(
-    scene: &Arc<Scene>,
+    query: &Query,
     index: usize,
-    task: &Task,
     planner: &Planner,
     options: &Options,
 ) -> Result<Plan, InvalidInput> {
     let options = Options { index: index as u64, ..options.clone() };
-    plan_in(scene, task, planner, &options, Watch::NONE)
+    plan_in(query, planner, &options, Watch::NONE)
 }
 
 /// A figure of each certified plan whose optimal length is known and not 0.
@@ -185,8 +182,8 @@ fn quality<'a>(
     figure: impl Fn(&Trajectory, f64) -> f64,
 ) -> Vec<f64> {
     pairs
-        .filter_map(|(plan, exact)| match (&plan.status, &plan.trajectory, exact) {
-            (Status::Solved, Some(path), Exact::Solvable { length }) if *length > 0.0 => {
+        .filter_map(|(plan, exact)| match (plan.certified(), exact) {
+            (Some(path), Exact::Solvable { length }) if *length > 0.0 => {
                 Some(figure(path, *length))
             }
             _ => None,

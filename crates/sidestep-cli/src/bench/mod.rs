@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use clap::Args;
 use rayon::prelude::*;
-use sidestep::plan::{Options, by_world};
+use sidestep::plan::{Options, by_setting};
 use sidestep::plane::shortest_path::{Route, ShortestPath};
 use sidestep::profile::Profile;
 use sidestep::suite::Suite;
@@ -86,7 +86,7 @@ pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
     args.planning.options(f64::INFINITY, &every)?;
     let groups = task_groups(args, global)?;
     check_output(args, &args.from.files())?;
-    let extent = groups[0].1[0].world.bounds().extent();
+    let extent = groups[0].1[0].plane()?.world.bounds().extent();
     let options = args.planning.options(extent, &every)?;
     let total = groups.iter().map(|(_, tasks)| tasks.len() as u64).sum::<u64>();
     let bar = output::progress("exact shortest paths", total, global.quiet);
@@ -220,19 +220,22 @@ fn selection(mut tasks: Vec<Task>, args: &BenchArgs) -> Vec<Task> {
 
 /// The exact search's answer to each task; steps `bar` once per task.
 pub fn exact_answers(tasks: &[Task], bar: &indicatif::ProgressBar) -> Vec<Exact> {
-    let answer = |exact: &mut ShortestPath, task: &Task| {
-        let route = exact.find(task.start, task.goal);
+    let answer = |exact: &mut Option<ShortestPath>, task: &Task| {
+        let plane = task.plane().ok();
+        let route =
+            exact.as_mut().zip(plane).map(|(exact, task)| exact.find(task.start, task.goal));
         bar.inc(1);
         match route {
-            Route::Found { length, .. } => Exact::Solvable { length },
-            Route::Unsolvable(_) => Exact::Unsolvable,
-            Route::Undecided(_) => Exact::Undecided,
+            Some(Route::Found { length, .. }) => Exact::Solvable { length },
+            Some(Route::Unsolvable(_)) => Exact::Unsolvable,
+            Some(Route::Undecided(_)) | None => Exact::Undecided,
         }
     };
-    by_world(tasks)
+    by_setting(tasks)
         .into_par_iter()
         .flat_map(|(_, tasks)| {
-            let exact = ShortestPath::new(&tasks[0].world, tasks[0].robot);
+            let plane = tasks[0].plane().ok();
+            let exact = plane.map(|task| ShortestPath::new(task.world, task.robot));
             tasks.par_iter().map_with(exact, answer)
         })
         .collect()

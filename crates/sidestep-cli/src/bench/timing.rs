@@ -7,8 +7,8 @@ use std::time::Instant;
 use sidestep::InvalidInput;
 use sidestep::optimizer::Method;
 use sidestep::plan::run::{Iteration, Until, run};
-use sidestep::plan::{Options, Planner, by_world};
-use sidestep::scene::Scene;
+use sidestep::plan::{Options, Planner, by_setting};
+use sidestep::scene::{Query, Scene};
 
 use super::iterates::Walk;
 use super::measure::{TaskSet, plan_indexed};
@@ -38,10 +38,11 @@ pub(super) fn times(
     pool.install(|| {
         let mut times = Times::default();
         for set in sets {
-            for (first, tasks) in by_world(&set.tasks[..timed.min(set.tasks.len())]) {
+            for (first, tasks) in by_setting(&set.tasks[..timed.min(set.tasks.len())]) {
                 let begin = Instant::now();
                 let scene = Arc::new(Scene::of(&tasks[0], &options.profile));
-                std::hint::black_box(plan_indexed(&scene, first, &tasks[0], planner, options)?);
+                let query = Query::new(&scene, &tasks[0])?;
+                std::hint::black_box(plan_indexed(&query, first, planner, options)?);
                 let cold = begin.elapsed().as_secs_f64() * 1e6;
                 if tasks.len() == 1 {
                     times.plans.push(cold);
@@ -51,7 +52,8 @@ pub(super) fn times(
                 for (offset, task) in tasks.iter().enumerate() {
                     let begin = Instant::now();
                     let index = first + offset;
-                    std::hint::black_box(plan_indexed(&scene, index, task, planner, options)?);
+                    let query = Query::new(&scene, task)?;
+                    std::hint::black_box(plan_indexed(&query, index, planner, options)?);
                     times.plans.push(begin.elapsed().as_secs_f64() * 1e6);
                 }
                 times.worlds.push((cold - times.plans[before]).max(0.0));
@@ -71,10 +73,11 @@ pub fn us_per_iteration(
 ) -> Result<Option<f64>, Failure> {
     let (mut seconds, mut steps) = (0.0, 0);
     for set in sets {
-        for (first, tasks) in by_world(&set.tasks[..timed.min(set.tasks.len())]) {
+        for (first, tasks) in by_setting(&set.tasks[..timed.min(set.tasks.len())]) {
             let scene = Arc::new(Scene::of(&tasks[0], &options.profile));
             for (offset, task) in tasks.iter().enumerate() {
-                let walk = Walk::new(&scene, task, (first + offset) as u64, method, options)?;
+                let query = Query::new(&scene, task)?;
+                let walk = Walk::new(&query, (first + offset) as u64, method, options)?;
                 let (seconds_of_task, steps_of_task) = until_certified(walk)?;
                 if steps_of_task > 0 {
                     seconds += seconds_of_task;

@@ -323,8 +323,7 @@ fn baseline_cells(entry: &BaselineEntry, group: &[Prepared]) -> Result<Vec<Cell>
             // Planners of another kind do not know starts.
             _ => {
                 let found = plans(&set[0], &planner, &group[0].options, &hidden)?;
-                let certified =
-                    found.iter().filter(|p| p.status == sidestep::plan::Status::Solved).count();
+                let certified = found.iter().filter(|p| p.is_solved()).count();
                 let share = certified as f64 / found.len() as f64;
                 let is_solvable = |exact: &&Exact| matches!(exact, Exact::Solvable { .. });
                 let solvable = set[0].exact.iter().filter(is_solvable).count();

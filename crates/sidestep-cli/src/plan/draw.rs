@@ -1,8 +1,7 @@
 //! The pictures of `plan`: the task, the plan, the shortest path to compare, and the trace.
 
-use sidestep::plan::Status;
 use sidestep::plane::shortest_path::{Route, ShortestPath};
-use sidestep::{Task, Trajectory};
+use sidestep::{PlaneTask, Task, Trajectory};
 use sidestep_io::picture::{Picture, TaskPanel};
 
 use super::{Attempt, PlanArgs, Step};
@@ -20,7 +19,8 @@ pub fn pictures<'a>(
     task: &Task,
     attempts: impl Iterator<Item = &'a Attempt>,
 ) -> Result<(), Failure> {
-    let shortest = ShortestPath::new(&task.world, task.robot).find(task.start, task.goal);
+    let task = task.plane()?;
+    let shortest = ShortestPath::new(task.world, task.robot).find(task.start, task.goal);
     let panels = attempts.map(|attempt| panel(task, attempt, &shortest));
     let picture = panels.fold(Picture::new(), |picture, panel| picture.panel(panel));
     if let Some(path) = &args.svg {
@@ -33,16 +33,17 @@ pub fn pictures<'a>(
     Ok(())
 }
 
-fn panel(task: &Task, attempt: &Attempt, shortest: &Route) -> TaskPanel {
-    let Attempt { planner, scene, plan, trace: steps, .. } = attempt;
-    let (frame, field) = (scene.frame(), scene.field());
+fn panel(task: PlaneTask<'_>, attempt: &Attempt, shortest: &Route) -> TaskPanel {
+    let Attempt { planner, query, plan, trace: steps, .. } = attempt;
     // A policy is named by its file.
     let name = planner.trim_end_matches(".safetensors").rsplit('/').next().unwrap_or(planner);
     let name =
         if planner.starts_with("learned:") { format!("learned: {name}") } else { planner.clone() };
-    let mut panel = TaskPanel::new(task)
-        .title(format!("{name}: {}", plan.status.name()))
-        .shade(|p| f64::from(field.at(frame.to_normalised(p)).0).min(1.0));
+    let mut panel = TaskPanel::new(task).title(format!("{name}: {}", plan.status.name()));
+    if let Some(scene) = query.scene().plane() {
+        let (frame, field) = (scene.frame(), scene.field());
+        panel = panel.shade(|p| f64::from(field.at(frame.to_normalised(p)).0).min(1.0));
+    }
     if !steps.is_empty() {
         let first: Vec<&Step> = steps.iter().filter(|step| step.start == steps[0].start).collect();
         let stride = first.len().div_ceil(MOST_ITERATES).max(1);
@@ -53,11 +54,10 @@ fn panel(task: &Task, attempt: &Attempt, shortest: &Route) -> TaskPanel {
             .collect();
         panel = panel.trace("iterates", &iterates);
     }
-    if let Some(path) = &plan.trajectory {
-        panel = match plan.status {
-            Status::Solved => panel.path(name, path),
-            _ => panel.dashed_path(format!("{name} (not certified)"), path),
-        };
+    if let Some(path) = plan.certified() {
+        panel = panel.path(name, path);
+    } else if let Some(path) = &plan.attempt {
+        panel = panel.dashed_path(format!("{name} (not certified)"), path);
     }
     if let Route::Found { trajectory, .. } = shortest {
         panel = panel.dashed_path("shortest path", trajectory);

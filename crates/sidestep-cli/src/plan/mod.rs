@@ -1,7 +1,7 @@
 //! `sidestep plan`: one task, one certified plan or the reason why not.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -11,8 +11,9 @@ use sidestep::objective::Objective;
 use sidestep::plan::run::Iteration;
 use sidestep::plan::{Plan, Planner, Status, Stop, Watch, plan_in};
 use sidestep::plane::geometry::Point;
-use sidestep::scene::Scene;
-use sidestep::{InvalidInput, Robot, Task, Trajectory};
+use sidestep::plane::points;
+use sidestep::scene::Query;
+use sidestep::{InvalidInput, Task, Trajectory};
 
 use crate::Global;
 use crate::failure::Failure;
@@ -134,7 +135,7 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
     }
     written?;
     Ok(match status {
-        Status::Solved => 0,
+        Status::Solved(_) => 0,
         Status::Invalid(_) => 2,
         Status::Unsolved(_) | Status::Unsolvable(_) => 1,
     })
@@ -159,7 +160,7 @@ fn check_outputs(args: &PlanArgs) -> Result<(), Failure> {
 /// What one planner did.
 pub struct Attempt {
     planner: String,
-    scene: Arc<Scene>,
+    query: Query,
     plan: Plan,
     time: Duration,
     trace: Vec<Step>,
@@ -173,7 +174,7 @@ fn attempt(
     name: &str,
     planner: &Planner,
 ) -> Result<Attempt, Failure> {
-    let mut options = args.planning.options(task.world.bounds().extent(), &[planner])?;
+    let mut options = args.planning.options(task.plane()?.world.bounds().extent(), &[planner])?;
     options.prove = true;
     if args.best || args.budget_ms.is_some() {
         options.stop = Stop::Best;
@@ -188,25 +189,27 @@ fn attempt(
         ms => ms.map(|ms| Duration::from_secs_f64(ms / 1e3)),
     };
     let trace = Mutex::new(Vec::new());
-    let asked = with_margin(task, args.margin)?;
+    let asked = task
+        .with_margin(args.margin)
+        .map_err(|error| InvalidInput { field: "--margin".into(), ..error })?;
     let begin = Instant::now();
-    let scene = Arc::new(Scene::of(&asked, &options.profile));
+    let query = Query::of(&asked, &options.profile);
     let see = |iteration: &Iteration<'_>| {
         if args.trace
             && let Ok(mut steps) = trace.lock()
         {
-            steps.push(step(&scene, &asked, iteration));
+            steps.push(step(&query, iteration));
         }
     };
     let deadline = budget.map(|budget| begin + budget);
     let watch = Watch { see: &see, go_on: &|| is_time_left(deadline) };
-    let plan = plan_in(&scene, &asked, planner, &options, watch)?;
+    let plan = plan_in(&query, planner, &options, watch)?;
     let time = begin.elapsed();
     // What is reported and drawn is the robot itself.
-    let scene = if args.margin > 0.0 { Arc::new(Scene::of(task, &options.profile)) } else { scene };
+    let query = if args.margin > 0.0 { Query::of(task, &options.profile) } else { query };
     let mut trace = trace.into_inner().unwrap_or_default();
     trace.sort_by_key(|step| (step.start, step.iteration));
-    Ok(Attempt { planner: name.into(), scene, plan, time, trace, deadline })
+    Ok(Attempt { planner: name.into(), query, plan, time, trace, deadline })
 }
 
 /// Whether the time budget, if there is one, is not spent.
@@ -214,25 +217,12 @@ fn is_time_left(deadline: Option<Instant>) -> bool {
     deadline.is_none_or(|deadline| Instant::now() < deadline)
 }
 
-/// The task for a robot that is larger by `margin`.
-fn with_margin(task: &Task, margin: f64) -> Result<Task, Failure> {
-    let most = task.world.bounds().extent();
-    if !(0.0..=most).contains(&margin) {
-        let allowed = format!("a number from 0 to {most}, the field's extent");
-        return Err(InvalidInput::new("--margin", margin, allowed).into());
-    }
-    Ok(Task { robot: Robot::disc(task.robot.radius() + margin)?, ..task.clone() })
-}
-
 /// An iterate in task units. Methods that do not use U leave it to be computed here.
-fn step(scene: &Arc<Scene>, task: &Task, iteration: &Iteration<'_>) -> Step {
-    let waypoints = iteration.waypoints.len() / 2;
-    let cost = iteration.cost.or_else(|| {
-        let mut objective = Objective::new(task, scene.clone(), waypoints).ok()?;
-        Some(objective.cost(iteration.waypoints))
-    });
+fn step(query: &Query, iteration: &Iteration<'_>) -> Step {
+    let objective = Objective::new(query, iteration.waypoints.len() / query.scene().dof()).ok();
+    let cost = iteration.cost.or_else(|| Some(objective.clone()?.cost(iteration.waypoints)));
     let cost = cost.unwrap_or_default();
-    let inner = iteration.waypoints.as_chunks::<2>().0.iter().map(|&p| scene.frame().to_task(p));
+    let trajectory = objective.map(|objective| objective.trajectory(iteration.waypoints));
     Step {
         start: iteration.start,
         iteration: iteration.index,
@@ -240,29 +230,28 @@ fn step(scene: &Arc<Scene>, task: &Task, iteration: &Iteration<'_>) -> Step {
         obstacle_cost: cost.obstacle,
         length_cost: cost.length,
         certified: iteration.solved,
-        waypoints: std::iter::once(task.start).chain(inner).chain([task.goal]).collect(),
+        waypoints: trajectory.map_or_else(Vec::new, |trajectory| points(&trajectory).to_vec()),
     }
 }
 
 fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> Answer {
-    let Attempt { planner, scene, plan, time, trace, deadline } = attempt;
-    let solved = plan.status == Status::Solved;
+    let Attempt { planner, query, plan, time, trace, deadline } = attempt;
+    let certified = plan.certified();
     let go_on = || is_time_left(deadline);
-    let optimal = || scene.shortest_path().find_while(task.start, task.goal, &go_on).length();
-    let path = plan.trajectory.as_ref();
+    let optimal = || query.scene().exact(query.start(), query.goal(), &go_on)?.length();
     Answer {
         status: plan.status.name(),
         reason: plan.status.reason(),
         task: task.name.clone(),
         planner,
-        origin: solved.then(|| plan.origin.to_string()),
+        origin: certified.map(|_| plan.origin.to_string()),
         iterations: plan.steps,
         time_us: time.as_secs_f64() * 1e6,
-        length: path.filter(|_| solved).map(Trajectory::length),
-        optimal_length: if solved { optimal() } else { None },
-        clearance: path.filter(|_| solved).map(|path| scene.certifier().clearance(path)),
-        certified: solved,
-        waypoints: path.map_or_else(Vec::new, |path| path.points().to_vec()),
+        length: certified.map(Trajectory::length),
+        optimal_length: certified.and_then(|_| optimal()),
+        clearance: certified.map(|path| query.scene().clearance(path)),
+        certified: certified.is_some(),
+        waypoints: plan.trajectory().map_or_else(Vec::new, |path| points(path).to_vec()),
         trace: args.trace.then_some(trace),
     }
 }

@@ -69,7 +69,7 @@ pub fn read(text: &str, robot_radius: f64) -> Result<Vec<Task>, FormatError> {
         let bounds = Rect::new(bounds.min, bounds.max)
             .map_err(|invalid| world.found(invalid.value, invalid.allowed))?;
         let world_value = Arc::new(World::new(bounds, obstacles, None));
-        let task = Task::new(format!("barn/{number}"), world_value, robot, start, goal)
+        let task = Task::in_plane(format!("barn/{number}"), world_value, robot, start, goal)
             .map_err(|invalid| root.refused(&format!(".{}", invalid.field), invalid))?;
         tasks.push((number, task));
     }

@@ -113,7 +113,7 @@ impl Simple2d {
         random.set_stream(index as u64);
         let (start, goal) = (draw(&world, robot, &mut random)?, draw(&world, robot, &mut random)?);
         let name = format!("mpnet2d/{index}");
-        Task::new(name, world, robot, start, goal).map_err(|invalid| {
+        Task::in_plane(name, world, robot, start, goal).map_err(|invalid| {
             FormatError::new(FORMAT, Place::field(invalid.field), invalid.value, invalid.allowed)
         })
     }

@@ -1,7 +1,10 @@
 //! A panel that shows a task's world from above, with trajectories in it.
 
+use std::sync::Arc;
+
 use sidestep::plane::geometry::{Circle, Point, Rect};
-use sidestep::{Grid, Obstacle, Task, Trajectory};
+use sidestep::plane::points;
+use sidestep::{Grid, Obstacle, PlaneTask, Robot, Trajectory, World};
 
 use super::canvas::{Canvas, Frame, Pixel, Shape, Stroke};
 use super::color::{Color, OBSTACLE, OBSTACLE_EDGE, TEXT, WHITE, palette};
@@ -24,7 +27,9 @@ struct Layer {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskPanel {
     pub(super) title: String,
-    task: Task,
+    world: Arc<World>,
+    robot: Robot,
+    ends: [Point; 2],
     layers: Vec<Layer>,
     shading: Option<Shading>,
     swept: bool,
@@ -33,10 +38,12 @@ pub struct TaskPanel {
 
 impl TaskPanel {
     /// The task without any trajectory, titled by its name.
-    pub fn new(task: &Task) -> Self {
+    pub fn new(task: PlaneTask<'_>) -> Self {
         Self {
-            title: task.name.clone(),
-            task: task.clone(),
+            title: task.name.to_owned(),
+            world: Arc::clone(task.world),
+            robot: task.robot,
+            ends: [task.start, task.goal],
             layers: Vec::new(),
             shading: None,
             swept: true,
@@ -81,7 +88,7 @@ impl TaskPanel {
     /// Shades the free field by a value of each point, such as its distance to the obstacles: the
     /// lowest value darkest, the highest nearly white, in steps that read as contour lines.
     pub fn shade(mut self, value: impl Fn(Point) -> f64) -> Self {
-        self.shading = Some(Shading::sample(&self.task.world, value));
+        self.shading = Some(Shading::sample(&self.world, value));
         self
     }
 
@@ -120,13 +127,13 @@ impl TaskPanel {
 
     /// Height of the drawing over its width.
     pub(super) fn aspect(&self) -> f64 {
-        let [width, height] = self.task.world.bounds().size();
+        let [width, height] = self.world.bounds().size();
         height / width
     }
 
     /// Draws the world into a frame of the world's aspect.
     pub(super) fn draw(&self, canvas: &mut Canvas, frame: Frame) {
-        let world = &self.task.world;
+        let world = &self.world;
         let view = View { bounds: world.bounds(), frame };
         canvas.clipped(frame, |canvas| {
             if let Some(shading) = &self.shading {
@@ -148,8 +155,8 @@ impl TaskPanel {
         });
         canvas.outline(frame.corners(), Stroke::new(OBSTACLE_EDGE, 2.5));
         canvas.clipped(frame, |canvas| {
-            let radius = view.scale() * self.task.robot.radius();
-            for p in [self.task.start, self.task.goal] {
+            let radius = view.scale() * self.robot.radius();
+            for p in self.ends {
                 if radius > 4.0 {
                     let stroke = Some(Stroke::new(TEXT.with_opacity(0.6), 1.0));
                     let center = view.pixel(p);
@@ -158,16 +165,16 @@ impl TaskPanel {
             }
         });
         // Last and not cut off: a start in a corner must be seen whole.
-        legend::draw_start(canvas, view.pixel(self.task.start));
-        legend::draw_goal(canvas, view.pixel(self.task.goal));
+        legend::draw_start(canvas, view.pixel(self.ends[0]));
+        legend::draw_goal(canvas, view.pixel(self.ends[1]));
     }
 
     fn draw_sweep(&self, canvas: &mut Canvas, view: &View, layer: &Layer) {
-        let width = 2.0 * view.scale() * self.task.robot.radius();
+        let width = 2.0 * view.scale() * self.robot.radius();
         if width > 0.0 {
             for trajectory in &layer.trajectories {
                 let stroke = Stroke::new(layer.color.with_opacity(0.18), width);
-                canvas.line(view.pixels(trajectory.points()), stroke);
+                canvas.line(view.pixels(points(trajectory)), stroke);
             }
         }
     }
@@ -211,17 +218,17 @@ fn draw_obstacle(canvas: &mut Canvas, view: &View, obstacle: &Obstacle) {
 fn draw_layer(canvas: &mut Canvas, view: &View, layer: &Layer) {
     let last = layer.trajectories.len().saturating_sub(1);
     for (i, trajectory) in layer.trajectories.iter().enumerate() {
-        let points = view.pixels(trajectory.points());
+        let line = view.pixels(points(trajectory));
         if layer.fan {
             let age = i as f64 / last.max(1) as f64;
             let opacity = if i == last { 1.0 } else { 0.12 + 0.5 * age };
             let width = if i == last { 2.5 } else { 1.25 };
-            canvas.line(points, Stroke::new(layer.color.with_opacity(opacity), width));
+            canvas.line(line, Stroke::new(layer.color.with_opacity(opacity), width));
         } else {
             // A white rim keeps the line legible where it crosses an obstacle or another line.
-            canvas.line(points.clone(), Stroke::new(WHITE.with_opacity(0.85), 4.5));
+            canvas.line(line.clone(), Stroke::new(WHITE.with_opacity(0.85), 4.5));
             let stroke = Stroke::new(layer.color, 2.5);
-            canvas.line(points, if layer.dashed { stroke.dashed() } else { stroke });
+            canvas.line(line, if layer.dashed { stroke.dashed() } else { stroke });
         }
     }
 }

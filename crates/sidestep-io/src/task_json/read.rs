@@ -81,7 +81,7 @@ fn read_task(node: &Node<'_>) -> Result<Task, FormatError> {
     let point = |key| node.required(key, "a point [x, y]").and_then(|node| node.point());
     let (start, goal) = (point("start")?, point("goal")?);
     let world = Arc::new(World::new(bounds, obstacles, grid));
-    Task::new(name, world, robot, start, goal).map_err(|invalid| {
+    Task::in_plane(name, world, robot, start, goal).map_err(|invalid| {
         let field = format!(".{}", invalid.field);
         node.refused(&field, invalid)
     })

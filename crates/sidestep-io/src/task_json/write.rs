@@ -1,41 +1,50 @@
 //! Tasks to task JSON. Numbers take the shortest form that reads back to the same f64.
 
 use sidestep::plane::geometry::{Point, Rect};
-use sidestep::{Grid, Obstacle, Robot, Task};
+use sidestep::{Grid, InvalidInput, Obstacle, PlaneTask, Robot, Task};
 
 use super::{TASK_FORMAT, TaskFormat, rows};
 
 /// One task as one line of JSON, without a line end.
-pub fn write_task(task: &Task) -> String {
+///
+/// # Errors
+/// If the robot is not one of the plane.
+pub fn write_task(task: &Task) -> Result<String, InvalidInput> {
     let mut text = String::new();
-    for line in lines(task) {
+    for line in lines(task)? {
         if text.ends_with(',') {
             text.push(' ');
         }
         text += line.trim_start();
     }
-    text
+    Ok(text)
 }
 
 /// Tasks as a file's text: for `Json` one object, or an array unless there is exactly one task,
 /// laid out with one obstacle a line; for `JsonLines` one task a line.
-pub fn write_tasks(tasks: &[Task], format: TaskFormat) -> String {
+///
+/// # Errors
+/// If a robot is not one of the plane.
+pub fn write_tasks(tasks: &[Task], format: TaskFormat) -> Result<String, InvalidInput> {
     match (format, tasks) {
-        (TaskFormat::JsonLines, _) => tasks.iter().map(|task| write_task(task) + "\n").collect(),
-        (TaskFormat::Json, [task]) => lines(task).join("\n") + "\n",
+        (TaskFormat::JsonLines, _) => {
+            tasks.iter().map(|task| Ok(write_task(task)? + "\n")).collect()
+        }
+        (TaskFormat::Json, [task]) => Ok(lines(task)?.join("\n") + "\n"),
         (TaskFormat::Json, _) => {
-            let documents: Vec<String> = tasks.iter().map(|task| lines(task).join("\n")).collect();
-            format!("[\n{}\n]\n", documents.join(",\n"))
+            let documents: Result<Vec<String>, InvalidInput> =
+                tasks.iter().map(|task| Ok(lines(task)?.join("\n"))).collect();
+            Ok(format!("[\n{}\n]\n", documents?.join(",\n")))
         }
     }
 }
 
 /// The document laid out in lines, indented.
-fn lines(task: &Task) -> Vec<String> {
-    let world = &task.world;
+fn lines(task: &Task) -> Result<Vec<String>, InvalidInput> {
+    let PlaneTask { name, world, robot, start, goal } = task.plane()?;
     let mut lines = vec!["{".to_owned(), format!("  \"format\": {TASK_FORMAT:?},")];
-    if !task.name.is_empty() {
-        lines.push(format!("  \"name\": {},", string(&task.name)));
+    if !name.is_empty() {
+        lines.push(format!("  \"name\": {},", string(name)));
     }
     lines.push(format!("  \"bounds\": {},", rect(&world.bounds())));
     list(&mut lines, "  ", "obstacles", world.obstacles().iter().map(obstacle));
@@ -50,15 +59,15 @@ fn lines(task: &Task) -> Vec<String> {
             last.insert(last.len() - 1, '}');
         }
     }
-    let robot = match task.robot {
+    let robot = match robot {
         Robot::Point => "\"point\"".to_owned(),
         Robot::Disc { radius } => format!("{{\"disc\": {{\"radius\": {}}}}}", number(radius)),
     };
     lines.push(format!("  \"robot\": {robot},"));
-    lines.push(format!("  \"start\": {},", point(task.start)));
-    lines.push(format!("  \"goal\": {}", point(task.goal)));
+    lines.push(format!("  \"start\": {},", point(start)));
+    lines.push(format!("  \"goal\": {}", point(goal)));
     lines.push("}".to_owned());
-    lines
+    Ok(lines)
 }
 
 /// A field that holds an array, one item a line.

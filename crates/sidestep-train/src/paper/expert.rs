@@ -102,7 +102,7 @@ impl Experts {
     /// The routes of task `index`.
     pub fn routes(&self, index: usize, problem: &Problem) -> &[Target] {
         self.routes[index].get_or_init(|| {
-            let task = &self.tasks[index];
+            let Ok(task) = self.tasks[index].plane() else { return Vec::new() };
             let streams = (self.seed, index as u64);
             evenly_grown::find(task, &problem.objective, self.config.alternatives, streams)
         })
@@ -140,7 +140,7 @@ mod tests {
                 if !has {
                     break;
                 }
-                rule.apply(&action, problem.objective.scene().field_size(), &mut x);
+                rule.apply(&action, problem.objective.scene().normalised_limits(), &mut x);
             }
         }
         (solved, answered)

@@ -36,7 +36,6 @@ fn first_feasible(
     let dim = problem.objective.dim();
     let (mut x, mut gradient, mut action) = (vec![0.0; dim], vec![0.0; dim], vec![0.0; dim]);
     let mut observation = vec![0.0; problem.encoder.len(&problem.objective)];
-    let field = problem.objective.scene().field_size();
     problem.objective.straight_line(&mut x);
     problem.encoder.reset();
     for index in 0..=steps {
@@ -45,7 +44,7 @@ fn first_feasible(
         }
         problem.observe(&x, &mut gradient, &mut observation);
         network.forward(&observation, scratch, &mut action);
-        rule.apply(&action, field, &mut x);
+        rule.apply(&action, problem.objective.scene().normalised_limits(), &mut x);
     }
     None
 }

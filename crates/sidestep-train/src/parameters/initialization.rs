@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
 use sidestep::network::{Cnn, Mlp, Network};
-use sidestep::policy::observation::{ObservationPart, image_place};
+use sidestep::policy::observation::{ObservationPart, image_place, sizes_for};
 
 use sidestep::rng::standard_normal;
 
@@ -83,7 +83,7 @@ impl Initialization {
         hidden: usize,
         rng: &mut ChaCha8Rng,
     ) -> Result<Network, InvalidInput> {
-        let sizes = Network::sizes_for(parts, waypoints, &[hidden, hidden], 2 * waypoints);
+        let sizes = sizes_for(parts, waypoints, &[hidden, hidden], 2 * waypoints);
         let Some(image_at) = image_place(parts, waypoints) else {
             return Ok(self.network(&sizes, Role::Policy, rng)?.into());
         };

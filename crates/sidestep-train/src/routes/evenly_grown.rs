@@ -9,10 +9,11 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use sidestep::objective::Objective;
 use sidestep::plan::rrt_connect::shortcut;
-use sidestep::plan::starts::polyline;
 use sidestep::plane::geometry::{Point, distance};
+use sidestep::plane::{PlaneScene, Subject, points};
 use sidestep::rng::{Purpose, stream};
-use sidestep::{Obstacle, Robot, Route, ShortestPath, Task, World};
+use sidestep::trajectory::waypoints::polyline;
+use sidestep::{Obstacle, PlaneTask, Robot, Route, ShortestPath, Trajectory, World};
 
 use super::{Target, mean_distance};
 
@@ -32,18 +33,19 @@ const DRAWS: usize = 4;
 
 /// The routes of a task, the shortest first; none where there is no path or none that N waypoints can follow.
 pub fn find(
-    task: &Task,
+    task: PlaneTask<'_>,
     objective: &Objective,
     alternatives: usize,
     (seed, index): (u64, u64),
 ) -> Vec<Target> {
     let pixel = task.world.bounds().extent() / 64.0;
-    let mut exact = objective.scene().shortest_path();
+    let Some(Subject { scene, .. }) = objective.plane() else { return Vec::new() };
+    let mut exact = scene.shortest_path();
     let Some(shortest) = exact.find(task.start, task.goal).length() else { return Vec::new() };
     let mut targets: Vec<Target> = Vec::new();
-    let scale = objective.scene().frame().scale;
+    let scale = scene.frame().scale;
     let keep = |targets: &mut Vec<Target>, points: &[Point]| {
-        let Some(waypoints) = waypoints(points, objective) else { return };
+        let Some(waypoints) = waypoints(points, scene, objective) else { return };
         let length: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
         let extra = ((length - shortest) / scale).max(0.0) as f32;
         if targets.iter().all(|t| mean_distance(&t.waypoints, &waypoints) > DIFFERENT) {
@@ -57,7 +59,7 @@ pub fn find(
             continue;
         };
         if length <= STRETCH * shortest + (SLACK * margin + ROOM) * pixel {
-            keep(&mut targets, trajectory.points());
+            keep(&mut targets, points(&trajectory));
             if !targets.is_empty() {
                 search = Some(grown);
                 break;
@@ -67,7 +69,7 @@ pub fn find(
     if targets.is_empty() {
         // A passage of hardly any width: the shortest path itself, if waypoints can follow it.
         if let Route::Found { trajectory, .. } = exact.find(task.start, task.goal) {
-            keep(&mut targets, trajectory.points());
+            keep(&mut targets, points(&trajectory));
         }
     }
     let Some(mut search) = search else { return targets };
@@ -85,7 +87,7 @@ pub fn find(
     targets
 }
 
-fn uniform(task: &Task, rng: &mut ChaCha8Rng) -> Point {
+fn uniform(task: PlaneTask<'_>, rng: &mut ChaCha8Rng) -> Point {
     let (bounds, mut via) = (task.world.bounds(), [0.0; 2]);
     for axis in 0..2 {
         let t: f64 = rng.random();
@@ -96,7 +98,7 @@ fn uniform(task: &Task, rng: &mut ChaCha8Rng) -> Point {
 
 /// A taut path through `via`, if it is short enough.
 fn through(
-    task: &Task,
+    task: PlaneTask<'_>,
     via: Point,
     search: &mut ShortestPath,
     longest: f64,
@@ -112,16 +114,17 @@ fn through(
     if one + two > 2.0 * longest {
         return None;
     }
-    let mut points: Vec<Point> = first.points().to_vec();
-    points.extend(&second.points()[1..]);
-    shortcut(&mut points, search.certifier(), 8, rng);
-    let length: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
-    (length <= longest).then_some(points)
+    let mut path = Trajectory::from_points(&[points(&first), &points(&second)[1..]].concat());
+    let certifier = search.certifier();
+    let is_free =
+        |from: &[f64], to: &[f64]| certifier.segment_is_free([from[0], from[1]], [to[0], to[1]]);
+    shortcut(&mut path, is_free, 8, rng);
+    (path.length() <= longest).then(|| points(&path).to_vec())
 }
 
 /// The search among obstacles and walls that are `margin` nearer (task units). Rectangles grow to rectangles, which keeps the
 /// search exact and quick; anything else is met by a larger robot.
-fn grown(task: &Task, margin: f64) -> ShortestPath {
+fn grown(task: PlaneTask<'_>, margin: f64) -> ShortestPath {
     let world = &task.world;
     let rects: Option<Vec<Obstacle>> = world
         .obstacles()
@@ -142,12 +145,12 @@ fn grown(task: &Task, margin: f64) -> ShortestPath {
 
 /// N waypoints along the path, feasible by the profile's check and by the certificate; none if there are more corners than
 /// waypoints or the path cannot be followed in f32.
-fn waypoints(points: &[Point], objective: &Objective) -> Option<Vec<f32>> {
-    let frame = objective.scene().frame();
+fn waypoints(points: &[Point], scene: &PlaneScene, objective: &Objective) -> Option<Vec<f32>> {
+    let frame = scene.frame();
     let corners: Vec<[f32; 2]> = points.iter().map(|&p| frame.to_normalised(p)).collect();
     let mut x = vec![0.0; objective.dim()];
     let passes = |x: &[f32]| objective.is_feasible(x) && objective.is_certified(x);
-    polyline(&corners, x.as_chunks_mut::<2>().0);
+    polyline(2, corners.as_flattened(), &mut x);
     if passes(&x) {
         return Some(x);
     }
@@ -194,9 +197,8 @@ mod tests {
     use super::super::nearest;
     use super::*;
     use sidestep::profile::Profile;
-    use sidestep::scene::Scene;
+    use sidestep::scene::Query;
     use sidestep::suite::Suite;
-    use std::sync::Arc;
 
     #[test]
     fn corners_get_waypoints_and_the_rest_is_spread() {
@@ -212,10 +214,10 @@ mod tests {
         let tasks = Suite::Hard.generate(40, 1000, &Profile::PAPER);
         let (mut with_choice, mut none) = (0, 0);
         for (index, task) in tasks.iter().enumerate() {
-            let scene = Arc::new(Scene::of(task, &Profile::PAPER));
-            let objective = Objective::new(task, scene, 10).unwrap();
-            let targets = find(task, &objective, 4, (5, index as u64));
-            let again = find(task, &objective, 4, (5, index as u64));
+            let objective = Objective::new(&Query::of(task, &Profile::PAPER), 10).unwrap();
+            let plane = task.plane().unwrap();
+            let targets = find(plane, &objective, 4, (5, index as u64));
+            let again = find(plane, &objective, 4, (5, index as u64));
             assert_eq!(targets, again);
             for target in &targets {
                 assert!(objective.is_certified(&target.waypoints), "{}", task.name);

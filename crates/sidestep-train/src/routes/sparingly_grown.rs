@@ -8,7 +8,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use sidestep::objective::Objective;
 use sidestep::plane::geometry::{Point, Rect, cross, distance, lerp, sub};
-use sidestep::{Certifier, Obstacle, Robot, Route, ShortestPath, Task, Trajectory, World};
+use sidestep::plane::{PlaneScene, Subject, points};
+use sidestep::{Obstacle, PlaneTask, Robot, Route, ShortestPath, Trajectory, World};
 
 use super::{Target, mean_distance};
 
@@ -24,10 +25,10 @@ const APART: f32 = 0.5;
 const PULLS: usize = 24;
 
 /// The trajectories for a task of rectangles, best first; none if the task has no solution that leaves any room.
-pub fn targets(task: &Task, objective: &Objective, rng: &mut ChaCha8Rng) -> Vec<Target> {
-    let scale = objective.scene().frame().scale;
-    let truth = objective.scene().certifier();
-    let route = objective.scene().shortest_path().find(task.start, task.goal);
+pub fn targets(task: PlaneTask<'_>, objective: &Objective, rng: &mut ChaCha8Rng) -> Vec<Target> {
+    let Some(Subject { scene, .. }) = objective.plane() else { return Vec::new() };
+    let scale = scene.frame().scale;
+    let route = scene.shortest_path().find(task.start, task.goal);
     let Some(shortest) = route.length() else { return Vec::new() };
     let mut targets = Vec::new();
     for margin in MARGINS.map(|margin| margin * scale) {
@@ -36,7 +37,7 @@ pub fn targets(task: &Task, objective: &Objective, rng: &mut ChaCha8Rng) -> Vec<
         if length > 1.12 * shortest + 4.0 * margin + 0.2 * scale {
             continue;
         }
-        let Some(waypoints) = resample(&path, objective, truth) else { continue };
+        let Some(waypoints) = resample(&path, scene, objective.waypoints()) else { continue };
         targets.push(Target { waypoints, extra: 0.0 });
         let most = 1.6 * length + 1.2 * scale;
         for _ in 0..VIA_POINTS {
@@ -50,7 +51,7 @@ pub fn targets(task: &Task, objective: &Objective, rng: &mut ChaCha8Rng) -> Vec<
             if long > most {
                 continue;
             }
-            let Some(waypoints) = resample(&taut, objective, truth) else { continue };
+            let Some(waypoints) = resample(&taut, scene, objective.waypoints()) else { continue };
             if targets.iter().all(|other| mean_distance(&other.waypoints, &waypoints) > APART) {
                 targets.push(Target { waypoints, extra: ((long - length) / scale) as f32 });
             }
@@ -69,7 +70,7 @@ struct Grown {
 
 impl Grown {
     /// Grows by the robot's radius and `margin`, less where that would swallow start or goal; none if they are not free.
-    fn new(task: &Task, margin: f64) -> Option<Self> {
+    fn new(task: PlaneTask<'_>, margin: f64) -> Option<Self> {
         let radius = task.robot.radius();
         let room = |gap: f64| radius + margin.min(0.9 * (gap - radius)).max(0.0);
         let gap = |rect: &Rect, p: Point| {
@@ -104,7 +105,7 @@ impl Grown {
 
     fn path(&mut self, start: Point, goal: Point) -> Option<(Vec<Point>, f64)> {
         match self.search.find(start, goal) {
-            Route::Found { trajectory, length, .. } => Some((trajectory.points().to_vec(), length)),
+            Route::Found { trajectory, length, .. } => Some((points(&trajectory).to_vec(), length)),
             _ => None,
         }
     }
@@ -167,23 +168,22 @@ impl Grown {
 }
 
 /// N waypoints along `path`, evenly spaced; where that would cut a corner, with waypoints at all corners.
-fn resample(path: &[Point], objective: &Objective, truth: &Certifier) -> Option<Vec<f32>> {
+fn resample(path: &[Point], scene: &PlaneScene, count: usize) -> Option<Vec<f32>> {
     let free = |points: &[Point]| {
         let (start, goal) = (path[0], path[path.len() - 1]);
         let all: Vec<Point> =
             std::iter::once(start).chain(points.iter().copied()).chain([goal]).collect();
-        all.windows(2).all(|w| truth.segment_is_free(w[0], w[1]))
+        all.windows(2).all(|w| scene.certifier().segment_is_free(w[0], w[1]))
     };
-    let count = objective.waypoints();
     let even = Trajectory::from_points(path).evenly(count + 2);
-    let mut points = even[1..=count].to_vec();
+    let mut points = points(&even)[1..=count].to_vec();
     if !free(&points) {
         points = cornered(path, count)?;
         if !free(&points) {
             return None;
         }
     }
-    let frame = objective.scene().frame();
+    let frame = scene.frame();
     Some(points.into_iter().flat_map(|p| frame.to_normalised(p)).collect())
 }
 
@@ -212,7 +212,7 @@ mod tests {
     use super::*;
     use sidestep::profile::Profile;
     use sidestep::rng::{Purpose, stream};
-    use sidestep::scene::Scene;
+    use sidestep::scene::{Query, Task};
     use sidestep::suite::{candidate, varied};
     use std::sync::Arc;
 
@@ -221,10 +221,9 @@ mod tests {
         let (mut solvable, mut several) = (0, 0);
         for index in 0..200 {
             let task = if index % 2 == 0 { candidate(1000, index) } else { varied(1000, index) };
-            let scene = Arc::new(Scene::of(&task, &Profile::DEFAULT));
-            let objective = Objective::new(&task, scene, 10).unwrap();
+            let objective = Objective::new(&Query::of(&task, &Profile::DEFAULT), 10).unwrap();
             let mut rng = stream(5, Purpose::Imitation, index, 0);
-            let targets = targets(&task, &objective, &mut rng);
+            let targets = targets(task.plane().unwrap(), &objective, &mut rng);
             for target in &targets {
                 assert!(objective.is_certified(&target.waypoints), "{}", task.name);
             }
@@ -244,14 +243,10 @@ mod tests {
         // One box between start and goal: the way past its far side has exactly its two far corners.
         let rect = Rect { min: [20.0, 20.0], max: [40.0, 50.0] };
         let bounds = Rect { min: [0.0; 2], max: [64.0; 2] };
-        let task = Task {
-            name: String::new(),
-            world: Arc::new(World::new(bounds, vec![Obstacle::Rect(rect)], None)),
-            robot: Robot::Point,
-            start: [10.0, 30.0],
-            goal: [50.0, 30.0],
-        };
-        let mut grown = Grown::new(&task, 1.0).unwrap();
+        let world = Arc::new(World::new(bounds, vec![Obstacle::Rect(rect)], None));
+        let task = Task::in_plane("", world, Robot::Point, [10.0, 30.0], [50.0, 30.0]).unwrap();
+        let task = task.plane().unwrap();
+        let mut grown = Grown::new(task, 1.0).unwrap();
         let path = grown.through(task.start, [30.0, 60.0], task.goal).unwrap();
         let corners: Vec<Point> = path.iter().map(|p| p.map(f64::round)).collect();
         assert_eq!(corners, [[10.0, 30.0], [19.0, 51.0], [41.0, 51.0], [50.0, 30.0]]);

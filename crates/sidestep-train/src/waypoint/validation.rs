@@ -1,7 +1,5 @@
 //! How good a waypoint policy is on tasks that it was not trained on: certified success from the straight line.
 
-use std::sync::Arc;
-
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sidestep::Route;
@@ -10,7 +8,7 @@ use sidestep::objective::Objective;
 use sidestep::plane::view::{Look, TaskMap, ViewParts, WaypointView};
 use sidestep::policy::ActionRule;
 use sidestep::profile::Profile;
-use sidestep::scene::Scene;
+use sidestep::scene::Query;
 use sidestep::suite::Suite;
 
 use super::config::WaypointValidationConfig;
@@ -56,13 +54,14 @@ impl Tasks {
         let ready = |suite: Suite| {
             let tasks = suite.generate(config.count, config.seed, &Profile::PAPER);
             let problem = |task: &sidestep::Task| {
-                let scene = Arc::new(Scene::of(task, &Profile::DEFAULT));
-                let route = scene.shortest_path().find(task.start, task.goal);
-                let Route::Found { .. } = route else { return None };
-                let objective = Objective::new(task, scene, Profile::DEFAULT.waypoints).ok()?;
-                let map = view.map.as_ref().map(|shape| TaskMap::new(shape, &objective));
+                let query = Query::of(task, &Profile::DEFAULT);
+                let route = query.scene().exact(query.start(), query.goal(), &|| true);
+                let Some(Route::Found { .. }) = route else { return None };
+                let objective = Objective::new(&query, Profile::DEFAULT.waypoints).ok()?;
+                let subject = objective.plane()?;
+                let map = view.map.as_ref().map(|shape| TaskMap::new(shape, subject));
                 Some(Problem {
-                    view: WaypointView::new(&view.probes, &objective, Look::default()),
+                    view: WaypointView::new(&view.probes, subject, Look::default()),
                     map,
                     objective,
                 })
@@ -112,12 +111,14 @@ impl Problem {
         objective.straight_line(&mut x);
         view.reset();
         let (waypoints, stride) = (objective.waypoints(), net.input_stride());
+        let subject = objective.plane()?;
+        let mut free = vec![false; waypoints + 1];
         for step in 0..=steps {
-            let rows = scratch.input(waypoints, stride);
-            view.encode(objective, &x, map.as_ref(), rows, stride);
-            if view.is_free() {
+            if objective.free_segments(&x, &mut free) {
                 return Some(step);
             }
+            let rows = scratch.input(waypoints, stride);
+            view.encode(subject, &x, &free, map.as_ref(), rows, stride);
             net.forward(scratch, waypoints);
             view.apply(&rule, |i| scratch.output(i), &mut x);
         }

@@ -15,6 +15,7 @@
 #![allow(unsafe_code, reason = "calling functions compiled for detected CPU features")]
 
 mod adam;
+pub(crate) mod clearance;
 pub(crate) mod conv;
 pub(crate) mod dense;
 mod norm;
@@ -24,6 +25,7 @@ mod tanh;
 pub(crate) mod transpose;
 
 pub use adam::AdamStep;
+pub(crate) use clearance::Block;
 pub use norm::squared_norm;
 
 /// Lanes of an accumulator: one AVX-512 register, two of AVX2, four of SSE2 or NEON.

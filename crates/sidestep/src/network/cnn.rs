@@ -15,8 +15,9 @@ use super::convolution::{Convolution, Form, Patches};
 use super::mlp::{MAX_PARAMETERS, Mlp, Scratch};
 use crate::error::InvalidInput;
 use crate::kernels::Isa;
-use crate::policy::observation::IMAGE_SIDE;
 
+/// Side of the image, in pixels.
+pub const IMAGE_SIDE: usize = 64;
 /// Numbers of the image.
 const IMAGE: usize = IMAGE_SIDE * IMAGE_SIDE;
 const FIRST: Form =

@@ -13,14 +13,12 @@ mod neighbours;
 mod waypoint_net;
 mod waypoint_shape;
 
-pub use cnn::{Cnn, FEATURES, Part};
+pub use cnn::{Cnn, FEATURES, IMAGE_SIDE, Part};
 pub(crate) use map_net::MAP_INPUTS;
 pub use map_net::{MapScratch, MapShape};
 pub use mlp::{MAX_PARAMETERS, Mlp, Scratch};
 pub use waypoint_net::{WaypointNet, WaypointScratch};
 pub use waypoint_shape::{OUTPUTS, WaypointShape};
-
-use crate::policy::observation::{ObservationPart, image_place};
 
 /// The network of a policy that sees a whole trajectory: the observation decides which one it takes.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,25 +42,6 @@ impl From<Cnn> for Network {
 }
 
 impl Network {
-    /// Name of the architecture that reads an observation of these parts: `cnn` where there is an image, else `mlp`.
-    pub fn architecture_for(parts: &[ObservationPart]) -> &'static str {
-        if parts.iter().any(ObservationPart::is_image) { "cnn" } else { "mlp" }
-    }
-
-    /// Sizes of the layers of a network that reads `parts` of so many waypoints, with these hidden layers.
-    pub fn sizes_for(
-        parts: &[ObservationPart],
-        waypoints: usize,
-        hidden: &[usize],
-        outputs: usize,
-    ) -> Vec<usize> {
-        let mut sizes = vec![parts.iter().map(|part| part.len(waypoints)).sum()];
-        sizes.extend(image_place(parts, waypoints).map(|_| FEATURES));
-        sizes.extend_from_slice(hidden);
-        sizes.push(outputs);
-        sizes
-    }
-
     /// Name of the architecture, for files.
     pub fn architecture(&self) -> &'static str {
         match self {

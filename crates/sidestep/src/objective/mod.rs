@@ -6,20 +6,19 @@
 //! - F_len is the plain sum of squared segment lengths.
 //!
 //! Substep j of a segment lies at t = j / (S + 1), so its gradient goes to the segment's end points
-//! with weights 1 - t and t. All lengths are in normalised units ([`crate::profile`]).
+//! with weights 1 - t and t. All lengths are in normalised units ([`crate::profile`]). c itself is in `kernels/clearance.rs`,
+//! where scenes find it, and D is the scene's.
 
 pub mod reference;
 
 use std::sync::Arc;
 
 use crate::error::InvalidInput;
-use crate::kernels::{Isa, dispatch};
-use crate::plane::distance::{LANES, Samples};
-use crate::plane::geometry::Point;
+use crate::kernels::{Block, Isa, dispatch};
+use crate::plane::Subject;
 use crate::profile::{Averaging, MAX_WAYPOINTS};
-use crate::scene::Scene;
-use crate::task::Task;
-use crate::trajectory::Trajectory;
+use crate::scene::{Query, Scene};
+use crate::trajectory::{Trajectory, waypoints};
 
 /// The parts of U at one trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -32,41 +31,55 @@ pub struct Cost {
     pub total: f32,
 }
 
-/// U and its gradient for one task, with the buffers to compute them in.
+/// U and its gradient for one query, with the buffers to compute them in.
 #[derive(Debug, Clone)]
 pub struct Objective {
-    scene: Arc<Scene>,
-    start: [f32; 2],
-    goal: [f32; 2],
-    task_start: Point,
-    task_goal: Point,
+    query: Query,
+    /// Start and goal `[dof]`, in normalised units.
+    start: Vec<f32>,
+    goal: Vec<f32>,
     waypoints: usize,
     epsilon: f32,
     lambda: f32,
-    buffers: Buffers,
+    fractions: Fractions,
+    /// Substeps and waypoints in order: those of segment 0, waypoint 1, ...
+    block: Block,
     isa: Isa,
 }
 
-/// Buffers over the points of a trajectory, in order: substeps of segment 0, waypoint 1, ...;
-/// lengths are padded to a multiple of [`LANES`] by points of weight 0.
+/// Substeps that are computed at once.
+const AT_ONCE: usize = 8;
+
+/// Fractions of the S substeps on a segment, filled up with zeros.
 #[derive(Debug, Clone)]
-struct Buffers {
-    /// Fractions t of the S substeps.
-    fractions: Vec<f32>,
-    /// Each point's share in F_obs.
-    weights: Vec<f32>,
-    x: Vec<f32>,
-    y: Vec<f32>,
-    samples: Samples,
-    costs: Vec<f32>,
+struct Fractions {
+    substeps: usize,
+    /// t, the share of the segment's end.
+    after: Vec<[f32; AT_ONCE]>,
+    /// 1 - t, the share of its beginning.
+    before: Vec<[f32; AT_ONCE]>,
+}
+
+impl Fractions {
+    fn new(substeps: usize) -> Self {
+        let t = |j: usize| (j + 1) as f32 / (substeps + 1) as f32;
+        let share = |of: &dyn Fn(f32) -> f32| {
+            let block = |block: usize| {
+                std::array::from_fn(|l| Some(block * AT_ONCE + l).filter(|j| *j < substeps))
+                    .map(|j| j.map_or(0.0, |j| of(t(j))))
+            };
+            (0..substeps.div_ceil(AT_ONCE)).map(block).collect()
+        };
+        Self { substeps, after: share(&|t| t), before: share(&|t| 1.0 - t) }
+    }
 }
 
 impl Objective {
-    /// The objective of `task` for trajectories of `waypoints` free points.
+    /// The objective of a query for trajectories of `waypoints` free configurations.
     ///
     /// # Errors
     /// If the number of waypoints is 0 or above [`MAX_WAYPOINTS`].
-    pub fn new(task: &Task, scene: Arc<Scene>, waypoints: usize) -> Result<Self, InvalidInput> {
+    pub fn new(query: &Query, waypoints: usize) -> Result<Self, InvalidInput> {
         if waypoints == 0 || waypoints > MAX_WAYPOINTS {
             return Err(InvalidInput::new(
                 "waypoints",
@@ -74,40 +87,36 @@ impl Objective {
                 format!("a number from 1 to {MAX_WAYPOINTS}"),
             ));
         }
-        // Prepared here, so that no iteration pays for it.
-        scene.field();
-        let substeps = scene.profile.substeps;
+        let scene = query.scene();
+        scene.prepare_costs();
+        let (profile, dof) = (scene.profile(), scene.dof());
+        let substeps = profile.substeps;
         let period = substeps + 1;
         let points = (waypoints + 1) * period - 1;
-        let padded = points.next_multiple_of(LANES);
-        let (waypoint_weight, substep_weight) = match scene.profile.averaging {
+        let (waypoint_weight, substep_weight) = match profile.averaging {
             Averaging::Pooled => (1.0 / points as f64, 1.0 / points as f64),
             Averaging::Grouped => {
                 (1.0 / waypoints as f64, 1.0 / ((waypoints + 1) * substeps) as f64)
             }
         };
-        let mut weights: Vec<f32> = (0..points)
+        let weights: Vec<f32> = (0..points)
             .map(|k| if k % period == substeps { waypoint_weight } else { substep_weight } as f32)
             .collect();
-        weights.resize(padded, 0.0);
+        let normalised = |end: &[f64]| {
+            let mut out = vec![0.0; dof];
+            scene.to_normalised(end, &mut out);
+            out
+        };
         Ok(Self {
-            start: scene.frame.to_normalised(task.start),
-            goal: scene.frame.to_normalised(task.goal),
-            task_start: task.start,
-            task_goal: task.goal,
+            start: normalised(query.start()),
+            goal: normalised(query.goal()),
             waypoints,
             epsilon: scene.epsilon() as f32,
-            lambda: scene.profile.lambda as f32,
-            buffers: Buffers {
-                fractions: (1..=substeps).map(|j| j as f32 / period as f32).collect(),
-                weights,
-                x: vec![0.0; padded],
-                y: vec![0.0; padded],
-                samples: Samples::with_len(padded),
-                costs: vec![0.0; padded],
-            },
+            lambda: profile.lambda as f32,
+            fractions: Fractions::new(substeps),
+            block: Block::new(dof, weights),
             isa: Isa::detect(),
-            scene,
+            query: query.clone(),
         })
     }
 
@@ -121,38 +130,49 @@ impl Objective {
         self.waypoints
     }
 
-    /// Length of the flat `[N x 2]` state.
+    /// Coordinates of a configuration.
+    pub fn dof(&self) -> usize {
+        self.start.len()
+    }
+
+    /// Length of the flat `[N x dof]` state.
     pub fn dim(&self) -> usize {
-        2 * self.waypoints
+        self.dof() * self.waypoints
     }
 
-    /// Whether the robot may move straight between two points of normalised units, by the exact check.
-    pub fn segment_is_free(&self, from: [f32; 2], to: [f32; 2]) -> bool {
-        let frame = self.scene.frame;
-        self.scene.certifier.segment_is_free(frame.to_task(from), frame.to_task(to))
+    /// Start `[dof]`, in normalised units.
+    pub fn start(&self) -> &[f32] {
+        &self.start
     }
 
-    /// Start, in normalised units.
-    pub fn start(&self) -> [f32; 2] {
-        self.start
+    /// Goal `[dof]`, in normalised units.
+    pub fn goal(&self) -> &[f32] {
+        &self.goal
     }
 
-    /// Goal, in normalised units.
-    pub fn goal(&self) -> [f32; 2] {
-        self.goal
+    /// What is asked.
+    pub fn query(&self) -> &Query {
+        &self.query
     }
 
     /// The shared scene.
-    pub fn scene(&self) -> &Scene {
-        &self.scene
+    pub fn scene(&self) -> &Arc<Scene> {
+        self.query.scene()
     }
 
-    /// U at the waypoints `x` (`[N x 2]`).
+    /// The question as a policy of the plane sees it, where the robot is one of the plane.
+    pub fn plane(&self) -> Option<Subject<'_>> {
+        let scene = self.scene().plane()?;
+        let (start, goal) = ([self.start[0], self.start[1]], [self.goal[0], self.goal[1]]);
+        Some(Subject { scene, start, goal, waypoints: self.waypoints })
+    }
+
+    /// U at the waypoints `x` (`[N x dof]`).
     pub fn cost(&mut self, x: &[f32]) -> Cost {
         evaluate(self.isa, self, x, None)
     }
 
-    /// U at the waypoints `x` and its gradient, written to `gradient` (both `[N x 2]`).
+    /// U at the waypoints `x` and its gradient, written to `gradient` (both `[N x dof]`).
     ///
     /// With `obstacle_gradient_factor` 1 it is the derivative of U wherever D is differentiable; at
     /// kinks it is one of the one-sided derivatives.
@@ -162,63 +182,56 @@ impl Objective {
 
     /// The obstacle cost c(D) of each waypoint from the last evaluation, and their mean.
     pub fn waypoint_costs(&self) -> impl Iterator<Item = f32> + '_ {
-        let period = self.scene.profile.substeps + 1;
-        (0..self.waypoints).map(move |i| self.buffers.costs[i * period + period - 1])
+        let period = self.fractions.substeps + 1;
+        (0..self.waypoints).map(move |i| self.block.costs[i * period + period - 1])
     }
 
     /// Obstacle cost around each waypoint from the last evaluation, written to `out` (`[N]`): the
     /// mean over the waypoint and the substeps of its two segments.
     pub fn local_costs(&self, out: &mut [f32]) {
-        let substeps = self.scene.profile.substeps;
+        let substeps = self.fractions.substeps;
         for (i, out) in out.iter_mut().enumerate() {
-            let around = &self.buffers.costs[i * (substeps + 1)..][..2 * substeps + 1];
+            let around = &self.block.costs[i * (substeps + 1)..][..2 * substeps + 1];
             *out = around.iter().sum::<f32>() / around.len() as f32;
         }
     }
 
     /// Whether `x` is feasible by the profile's check.
     pub fn is_feasible(&self, x: &[f32]) -> bool {
-        match &self.scene.sampled {
-            Some(check) => check.is_feasible(self.start, x, self.goal),
-            None => self.is_certified(x),
-        }
+        let sampled = self.scene().is_feasible(&self.start, x, &self.goal);
+        sampled.unwrap_or_else(|| self.is_certified(x))
     }
 
-    /// Whether `x` is certified free of collision by the exact check.
+    /// Whether `x` is certified free of collision by the exact check, from the query's exact start to its exact goal.
     pub fn is_certified(&self, x: &[f32]) -> bool {
-        let certifier = &self.scene.certifier;
-        let mut from = self.task_start;
-        let free = x.as_chunks::<2>().0.iter().all(|&p| {
-            let to = self.scene.frame.to_task(p);
-            let free = certifier.segment_is_free(from, to);
-            from = to;
-            free
-        });
-        free && certifier.segment_is_free(from, self.task_goal)
+        self.scene().path_is_free(self.query.start(), x, self.query.goal(), None)
+    }
+
+    /// [`Objective::is_certified`] that writes to `free [N + 1]` which segments are, and does not end at the first that is not.
+    pub fn free_segments(&self, x: &[f32], free: &mut [bool]) -> bool {
+        self.scene().path_is_free(self.query.start(), x, self.query.goal(), Some(free))
     }
 
     /// Whether the profile's feasibility check is the exact certificate itself.
     pub fn feasible_means_certified(&self) -> bool {
-        self.scene.sampled.is_none()
+        self.scene().feasible_means_certified()
     }
 
     /// The trajectory from start over `x` to goal, in task units.
     pub fn trajectory(&self, x: &[f32]) -> Trajectory {
-        let inner = x.as_chunks::<2>().0.iter().map(|&p| self.scene.frame.to_task(p));
-        let points: Vec<Point> =
-            std::iter::once(self.task_start).chain(inner).chain([self.task_goal]).collect();
-        Trajectory::from_points(&points)
+        let (start, goal) = (self.query.start(), self.query.goal());
+        let mut values = vec![0.0; x.len() + 2 * start.len()];
+        let (first, rest) = values.split_at_mut(start.len());
+        let (inner, last) = rest.split_at_mut(x.len());
+        first.copy_from_slice(start);
+        self.scene().to_task(x, inner);
+        last.copy_from_slice(goal);
+        Trajectory::new(start.len(), values)
     }
 
     /// Writes the evenly spaced straight line from start to goal to `x`.
     pub fn straight_line(&self, x: &mut [f32]) {
-        let segments = (self.waypoints + 1) as f32;
-        for (i, p) in x.as_chunks_mut::<2>().0.iter_mut().enumerate() {
-            let t = (i + 1) as f32 / segments;
-            for axis in 0..2 {
-                p[axis] = self.start[axis] + t * (self.goal[axis] - self.start[axis]);
-            }
-        }
+        waypoints::straight_line(&self.start, &self.goal, x);
     }
 }
 
@@ -228,125 +241,108 @@ dispatch! {
         = evaluate_body;
 }
 
-// The same plain arithmetic on every instruction set, so the same bits.
+// The same plain arithmetic on every instruction set, so the same bits. Two coordinates have loops of their own, which the
+// compiler unrolls.
 #[inline(always)]
 fn evaluate_body<const ISA: u8>(
     objective: &mut Objective,
     x: &[f32],
     gradient: Option<&mut [f32]>,
 ) -> Cost {
-    let Objective { scene, start, goal, epsilon, lambda, buffers, .. } = objective;
-    let profile = &scene.profile;
-    let (waypoints, lambda) = (x.as_chunks::<2>().0, *lambda);
-    buffers.place_points(*start, waypoints, *goal);
-    let points = (waypoints.len() + 1) * (profile.substeps + 1) - 1;
-    scene.field().sample(&buffers.x, &buffers.y, points, &mut buffers.samples);
-    let obstacle = buffers.costs_and_slopes(
-        *epsilon,
-        profile.obstacle_gradient_factor as f32,
-        gradient.is_some(),
-    );
-    let mut length = 0.0;
-    let mut from = *start;
-    for &to in waypoints.iter().chain([&*goal]) {
-        length += (to[0] - from[0]).powi(2) + (to[1] - from[1]).powi(2);
-        from = to;
+    match objective.dof() {
+        2 => evaluate_in(2, objective, x, gradient),
+        dof => evaluate_in(dof, objective, x, gradient),
     }
+}
+
+#[inline(always)]
+fn evaluate_in(
+    dof: usize,
+    objective: &mut Objective,
+    x: &[f32],
+    gradient: Option<&mut [f32]>,
+) -> Cost {
+    let Objective { query, start, goal, epsilon, lambda, fractions, block, .. } = objective;
+    let (scene, lambda) = (query.scene(), *lambda);
+    let factor = scene.profile().obstacle_gradient_factor as f32;
+    place_points(dof, fractions, [start, x, goal], block);
+    scene.cost_and_slope(block, *epsilon, factor, gradient.is_some());
+    let obstacle = block.total();
+    let square = |from: &[f32], to: &[f32]| {
+        (0..dof).fold(0.0, |sum, k| sum + (to[k] - from[k]) * (to[k] - from[k]))
+    };
+    let last = x.len() - dof;
+    let mut length = square(start, x);
+    for i in (0..last).step_by(dof) {
+        length += square(&x[i..], &x[i + dof..]);
+    }
+    length += square(&x[last..], goal);
     if let Some(gradient) = gradient {
-        let gradient = gradient.as_chunks_mut::<2>().0;
         // dF_len/dx_i = 2 (x_i - x_{i-1}) - 2 (x_{i+1} - x_i)
-        for i in 0..waypoints.len() {
-            let before = if i > 0 { waypoints[i - 1] } else { *start };
-            let after = waypoints.get(i + 1).unwrap_or(goal);
-            for axis in 0..2 {
-                let second = 2.0 * waypoints[i][axis] - before[axis] - after[axis];
-                gradient[i][axis] = 2.0 * lambda * second;
+        let slope = |before: f32, at: f32, after: f32| 2.0 * lambda * (2.0 * at - before - after);
+        for i in dof..last {
+            gradient[i] = slope(x[i - dof], x[i], x[i + dof]);
+        }
+        for k in 0..dof {
+            gradient[k] = slope(start[k], x[k], if last > 0 { x[dof + k] } else { goal[k] });
+            if last > 0 {
+                gradient[last + k] = slope(x[last - dof + k], x[last + k], goal[k]);
             }
         }
-        buffers.scatter(gradient);
+        scatter(dof, fractions, block, gradient);
     }
     Cost { obstacle, length, total: obstacle + lambda * length }
 }
 
-impl Buffers {
-    /// Fills `x`, `y` with the substeps and waypoints in order.
-    #[inline(always)]
-    fn place_points(&mut self, start: [f32; 2], waypoints: &[[f32; 2]], goal: [f32; 2]) {
-        let period = self.fractions.len() + 1;
-        let mut from = start;
-        for (segment, &to) in waypoints.iter().chain([&goal]).enumerate() {
-            let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
-            let base = segment * period;
-            for (j, &t) in self.fractions.iter().enumerate() {
-                self.x[base + j] = from[0] + t * dx;
-                self.y[base + j] = from[1] + t * dy;
+/// Fills the block's lanes with substeps and waypoints in order. Substeps are written [`AT_ONCE`]; what is too many, the next
+/// segment or the padding writes over.
+#[inline(always)]
+fn place_points(
+    dof: usize,
+    fractions: &Fractions,
+    [start, x, goal]: [&[f32]; 3],
+    block: &mut Block,
+) {
+    let (substeps, waypoints) = (fractions.substeps, x.len() / dof);
+    for (k, lane) in block.points.chunks_exact_mut(block.padded).enumerate() {
+        let mut from = start[k];
+        for segment in 0..=waypoints {
+            let to = if segment < waypoints { x[segment * dof + k] } else { goal[k] };
+            let way = to - from;
+            let points = &mut lane[segment * (substeps + 1)..];
+            for (points, t) in points.as_chunks_mut().0.iter_mut().zip(&fractions.after) {
+                *points = t.map(|t| from + t * way);
             }
-            if segment < waypoints.len() {
-                self.x[base + period - 1] = to[0];
-                self.y[base + period - 1] = to[1];
+            if segment < waypoints {
+                points[substeps] = to;
             }
             from = to;
         }
         // Padding must be a valid place; its weight is 0.
-        let points = (waypoints.len() + 1) * period - 1;
-        self.x[points..].fill(start[0]);
-        self.y[points..].fill(start[1]);
+        lane[block.count..].fill(start[k]);
     }
+}
 
-    /// Turns sampled distances into costs, and sampled gradients into weighted cost gradients;
-    /// returns F_obs. With t = clamp(ε - D, 0, ε): c = t² / 2ε + max(-D, 0) and c' = -t / ε.
-    #[inline(always)]
-    fn costs_and_slopes(&mut self, epsilon: f32, factor: f32, slopes: bool) -> f32 {
-        let inverse = 1.0 / epsilon;
-        let mut sums = [0.0f32; LANES];
-        let Samples { distance, gradient_x, gradient_y } = &mut self.samples;
-        for block in 0..self.weights.len() / LANES {
-            let range = block * LANES..(block + 1) * LANES;
-            let weights = &self.weights[range.clone()];
-            let distance = &distance[range.clone()];
-            let costs = &mut self.costs[range.clone()];
-            for l in 0..LANES {
-                let t = (epsilon - distance[l]).max(0.0).min(epsilon);
-                costs[l] = 0.5 * inverse * t * t + (-distance[l]).max(0.0);
-                sums[l] += weights[l] * costs[l];
-            }
-            if slopes {
-                let gradient_x = &mut gradient_x[range.clone()];
-                let gradient_y = &mut gradient_y[range];
-                for l in 0..LANES {
-                    let t = (epsilon - distance[l]).max(0.0).min(epsilon);
-                    let slope = -t * inverse * factor * weights[l];
-                    gradient_x[l] *= slope;
-                    gradient_y[l] *= slope;
+/// Adds the slope of each point to the waypoints that carry it.
+#[inline(always)]
+fn scatter(dof: usize, fractions: &Fractions, block: &Block, gradient: &mut [f32]) {
+    let (substeps, waypoints) = (fractions.substeps, gradient.len() / dof);
+    for (k, lane) in block.slopes.chunks_exact(block.padded).enumerate() {
+        for segment in 0..=waypoints {
+            let slopes = &lane[segment * (substeps + 1)..];
+            let (mut before, mut after) = (0.0f32, 0.0f32);
+            let shares = fractions.before.iter().zip(&fractions.after);
+            for (slopes, (one, other)) in slopes.as_chunks::<AT_ONCE>().0.iter().zip(shares) {
+                for l in 0..AT_ONCE {
+                    before += one[l] * slopes[l];
+                    after += other[l] * slopes[l];
                 }
             }
-        }
-        sums.iter().sum()
-    }
-
-    /// Adds each point's cost gradient to the waypoints that carry it.
-    #[inline(always)]
-    fn scatter(&self, gradient: &mut [[f32; 2]]) {
-        let period = self.fractions.len() + 1;
-        let n = gradient.len();
-        for segment in 0..=n {
-            let base = segment * period;
-            let (mut before, mut after) = ([0.0f32; 2], [0.0f32; 2]);
-            for (j, &t) in self.fractions.iter().enumerate() {
-                let g = [self.samples.gradient_x[base + j], self.samples.gradient_y[base + j]];
-                for axis in 0..2 {
-                    before[axis] += (1.0 - t) * g[axis];
-                    after[axis] += t * g[axis];
-                }
+            if segment > 0 {
+                gradient[(segment - 1) * dof + k] += before;
             }
-            for axis in 0..2 {
-                if segment > 0 {
-                    gradient[segment - 1][axis] += before[axis];
-                }
-                if segment < n {
-                    let own = [&self.samples.gradient_x, &self.samples.gradient_y][axis];
-                    gradient[segment][axis] += after[axis] + own[base + period - 1];
-                }
+            if segment < waypoints {
+                gradient[segment * dof + k] += after + slopes[substeps];
             }
         }
     }

@@ -81,21 +81,23 @@ mod tests {
 
     use super::*;
     use crate::objective::Objective;
+    use crate::plane::Subject;
     use crate::plane::geometry::{Circle, ConvexPolygon};
-    use crate::scene::Scene;
+    use crate::scene::{Query, Setting};
     use crate::suite::Suite;
     use crate::{Obstacle, Robot, Task, World};
 
     /// A paper-like task with a circle and a polygon more.
     fn mixed_task(index: usize) -> Task {
         let mut task = Suite::Easy.generate(index + 1, 1000, &Profile::PAPER).remove(index);
-        let mut obstacles = task.world.obstacles().to_vec();
+        let bounds = task.plane().unwrap().world.bounds();
+        let mut obstacles = task.plane().unwrap().world.obstacles().to_vec();
         obstacles.truncate(5);
         obstacles.push(Obstacle::Circle(Circle::new([20.0, 44.0], 7.5).unwrap()));
         let corners = vec![[40.0, 8.0], [55.0, 14.0], [47.0, 25.0]];
         obstacles.push(Obstacle::Polygon(ConvexPolygon::new(corners).unwrap()));
-        task.world = Arc::new(World::new(task.world.bounds(), obstacles, None));
-        task.robot = Robot::disc(index as f64 % 3.0).unwrap();
+        let world = Arc::new(World::new(bounds, obstacles, None));
+        task.setting = Setting::Plane { world, robot: Robot::disc(index as f64 % 3.0).unwrap() };
         task
     }
 
@@ -110,14 +112,13 @@ mod tests {
         ) {
             let task = mixed_task(index);
             let profile = if paper { Profile::PAPER } else { Profile::DEFAULT };
-            let scene = Arc::new(Scene::new(&task.world, task.robot, &profile));
-            let mut objective = Objective::new(&task, scene.clone(), n).unwrap();
+            let mut objective = Objective::new(&Query::of(&task, &profile), n).unwrap();
             let mut x = vec![0.0; 2 * n];
             objective.straight_line(&mut x);
             x.iter_mut().zip(&offsets).for_each(|(x, o)| *x += o);
             let mut gradient = vec![0.0; 2 * n];
             let cost = objective.cost_and_gradient(&x, &mut gradient).total;
-            let (start, goal) = (objective.start(), objective.goal());
+            let Subject { scene, start, goal, .. } = objective.plane().unwrap();
             let (expected, slopes) =
                 cost_and_gradient(scene.field(), &profile, start, goal, &x);
             prop_assert!((f64::from(cost) - expected).abs() <= 2e-5 * (1.0 + expected));
@@ -134,15 +135,14 @@ mod tests {
             k in 0usize..20,
         ) {
             let task = mixed_task(index);
-            let scene = Arc::new(Scene::new(&task.world, task.robot, &Profile::DEFAULT));
-            let objective = Objective::new(&task, scene.clone(), 10).unwrap();
+            let objective = Objective::new(&Query::of(&task, &Profile::DEFAULT), 10).unwrap();
             let mut x = vec![0.0; 20];
             objective.straight_line(&mut x);
             x.iter_mut().zip(&offsets).for_each(|(x, o)| *x += o);
             let at = |delta: f32| {
                 let mut moved = x.clone();
                 moved[k] += delta;
-                let (start, goal) = (objective.start(), objective.goal());
+                let Subject { scene, start, goal, .. } = objective.plane().unwrap();
                 cost_and_gradient(scene.field(), &Profile::DEFAULT, start, goal, &moved)
             };
             let h = 2e-3;

@@ -8,42 +8,37 @@
 #[derive(Debug)]
 pub(super) struct Chomp {
     step: f32,
+    dof: usize,
     /// Thomas' algorithm: the eliminated upper diagonal c'_i = -1 / (2 + c'_{i-1}).
     upper: Vec<f32>,
-    solution: Vec<[f32; 2]>,
+    /// `[N x dof]`.
+    solution: Vec<f32>,
 }
 
 impl Chomp {
-    /// For a flat state of length `n`.
-    pub fn new(step: f32, n: usize) -> Self {
-        let mut upper = Vec::with_capacity(n / 2);
+    /// For trajectories of `waypoints` configurations of `dof` numbers.
+    pub fn new(step: f32, waypoints: usize, dof: usize) -> Self {
+        let mut upper = Vec::with_capacity(waypoints);
         let mut last = 0.0f32;
-        for _ in 0..n / 2 {
+        for _ in 0..waypoints {
             last = -1.0 / (2.0 + last);
             upper.push(last);
         }
-        Self { step, upper, solution: vec![[0.0; 2]; n / 2] }
+        Self { step, dof, upper, solution: vec![0.0; waypoints * dof] }
     }
 
     pub fn step(&mut self, x: &mut [f32], gradient: &[f32]) {
-        let gradient = gradient.as_chunks::<2>().0;
-        let n = gradient.len();
-        for i in 0..n {
+        let Self { step, dof, upper, solution } = self;
+        for i in 0..solution.len() {
             // 1 / (2 + c'_{i-1}) = -c'_i
-            let before = if i > 0 { self.solution[i - 1] } else { [0.0; 2] };
-            for axis in 0..2 {
-                self.solution[i][axis] = (gradient[i][axis] + before[axis]) * -self.upper[i];
-            }
+            let before = if i < *dof { 0.0 } else { solution[i - *dof] };
+            solution[i] = (gradient[i] + before) * -upper[i / *dof];
         }
-        for i in (0..n.saturating_sub(1)).rev() {
-            for axis in 0..2 {
-                self.solution[i][axis] -= self.upper[i] * self.solution[i + 1][axis];
-            }
+        for i in (0..solution.len().saturating_sub(*dof)).rev() {
+            solution[i] -= upper[i / *dof] * solution[i + *dof];
         }
-        for (x, update) in x.as_chunks_mut::<2>().0.iter_mut().zip(&self.solution) {
-            for axis in 0..2 {
-                x[axis] -= self.step * update[axis];
-            }
+        for (x, update) in x.iter_mut().zip(solution) {
+            *x -= *step * *update;
         }
     }
 }
@@ -56,7 +51,7 @@ mod tests {
     fn solves_the_tridiagonal_system() {
         let gradient = [1.0, -2.0, 0.5, 3.0, -1.0, 0.25, 2.0, 0.0];
         let mut x = [0.0; 8];
-        Chomp::new(1.0, 8).step(&mut x, &gradient);
+        Chomp::new(1.0, 4, 2).step(&mut x, &gradient);
         let at = |i: i32, axis: usize| {
             if (0..4).contains(&i) { -x[2 * i as usize + axis] } else { 0.0 }
         };

@@ -14,11 +14,11 @@ use rand_chacha::ChaCha8Rng;
 use crate::error::InvalidInput;
 use crate::network::{Scratch, WaypointNet, WaypointScratch};
 use crate::objective::Objective;
-use crate::plan::starts::bend;
+use crate::plane::Subject;
 use crate::plane::view::{Look, TaskMap, ViewParts, WaypointView};
 use crate::policy::observation::Encoder;
 use crate::policy::{Policy, PolicyNetwork};
-use crate::task::Task;
+use crate::trajectory::waypoints::bend;
 
 /// Steps before a trajectory is bent.
 const PATIENCE: u32 = 10;
@@ -50,6 +50,8 @@ enum Sight {
         at: usize,
         /// Steps so far.
         age: u32,
+        /// Which segments of a bent trajectory are free, `[N + 1]`.
+        free: Vec<bool>,
         scratch: WaypointScratch,
     },
 }
@@ -62,29 +64,29 @@ struct Sighted {
 }
 
 impl Sighted {
-    fn new(parts: &ViewParts, objective: &Objective) -> Self {
-        Self { view: WaypointView::new(&parts.probes, objective, Look::default()), map: None }
+    fn new(parts: &ViewParts, subject: Subject<'_>) -> Self {
+        Self { view: WaypointView::new(&parts.probes, subject, Look::default()), map: None }
     }
 
     /// The same task looked at another way.
     fn other(
         &self,
         (parts, network): (&ViewParts, &WaypointNet),
-        objective: &Objective,
+        subject: Subject<'_>,
         look: Look,
     ) -> Self {
         let map = self.map.as_ref().map(|map| {
-            let mut map = map.other(objective, look);
+            let mut map = map.other(subject, look);
             network.read_map(map.scratch());
             map
         });
-        Self { view: WaypointView::new(&parts.probes, objective, look), map }
+        Self { view: WaypointView::new(&parts.probes, subject, look), map }
     }
 
     /// Reads the task's map, where the policy has one and that has not been done.
-    fn read_map(&mut self, parts: &ViewParts, network: &WaypointNet, objective: &Objective) {
+    fn read_map(&mut self, parts: &ViewParts, network: &WaypointNet, subject: Subject<'_>) {
         if let (Some(shape), None) = (&parts.map, &self.map) {
-            let mut own = TaskMap::new(shape, objective);
+            let mut own = TaskMap::new(shape, subject);
             network.read_map(own.scratch());
             self.map = Some(own);
         }
@@ -94,28 +96,27 @@ impl Sighted {
     fn encode(
         &mut self,
         (parts, network): (&ViewParts, &WaypointNet),
-        objective: &Objective,
-        x: &[f32],
+        subject: Subject<'_>,
+        (x, free): (&[f32], &[bool]),
         scratch: &mut WaypointScratch,
     ) {
-        self.read_map(parts, network, objective);
+        self.read_map(parts, network, subject);
         let stride = network.input_stride();
-        let rows = scratch.input(objective.waypoints(), stride);
-        self.view.encode(objective, x, self.map.as_ref(), rows, stride);
+        let rows = scratch.input(subject.waypoints, stride);
+        self.view.encode(subject, x, free, self.map.as_ref(), rows, stride);
     }
 }
 
 impl Learned {
     pub fn new(
         policy: Arc<Policy>,
-        task: &Task,
         objective: &Objective,
         rng: ChaCha8Rng,
     ) -> Result<Self, InvalidInput> {
         policy.check_use(objective.waypoints(), objective.scene().profile().name)?;
         let sight = match policy.network() {
             PolicyNetwork::Whole { parts, .. } => {
-                let encoder = Encoder::new(parts, objective, &task.world)?;
+                let encoder = Encoder::new(parts, objective)?;
                 Sight::Whole {
                     observation: vec![0.0; encoder.len(objective)],
                     action: vec![0.0; objective.dim()],
@@ -123,65 +124,84 @@ impl Learned {
                     encoder,
                 }
             }
-            PolicyNetwork::Waypoint { view, network } => Sight::Waypoints {
-                sights: vec![Sighted::new(view, objective)],
-                at: 0,
-                age: 0,
-                scratch: network.scratch(objective.waypoints()),
-            },
+            PolicyNetwork::Waypoint { view, network } => {
+                let refuse = || {
+                    InvalidInput::new("planner", "a waypoint policy", "a robot in the plane for it")
+                };
+                Sight::Waypoints {
+                    sights: vec![Sighted::new(view, objective.plane().ok_or_else(refuse)?)],
+                    at: 0,
+                    age: 0,
+                    free: vec![false; objective.waypoints() + 1],
+                    scratch: network.scratch(objective.waypoints()),
+                }
+            }
         };
         Ok(Self { policy, sight, rng })
     }
 
-    pub fn step(&mut self, x: &mut [f32], gradient: &[f32], objective: &Objective) {
+    /// One update of `x`, whose `gradient` or `free` segments are known.
+    pub fn step(&mut self, x: &mut [f32], gradient: &[f32], free: &[bool], objective: &Objective) {
         let rule = &self.policy.card().action;
-        match (self.policy.network(), &mut self.sight) {
+        match (self.policy.network(), &mut self.sight, objective.plane()) {
             (
                 PolicyNetwork::Whole { network, .. },
                 Sight::Whole { encoder, observation, action, scratch },
+                _,
             ) => {
                 encoder.encode(objective, x, gradient, observation);
                 network.forward(observation, scratch, action);
-                rule.apply(action, objective.scene().field_size(), x);
+                rule.apply(action, objective.scene().normalised_limits(), x);
             }
             (
                 PolicyNetwork::Waypoint { view: parts, network },
-                Sight::Waypoints { sights, at, age, scratch },
+                Sight::Waypoints { sights, at, age, free: own, scratch },
+                Some(subject),
             ) => {
                 let policy = (parts, network);
-                sights[*at].encode(policy, objective, x, scratch);
-                if *age > 0 && age.is_multiple_of(PATIENCE) && !sights[*at].view.is_free() {
+                if *age > 0 && age.is_multiple_of(PATIENCE) && free.contains(&false) {
                     if parts.map.is_some() {
-                        bend(x, NUDGE, &mut self.rng);
+                        bend(2, x, NUDGE, &mut self.rng);
                         *at = (*at + 1) % Look::ALL.len();
                         if *at == sights.len() {
-                            sights.push(sights[0].other(policy, objective, Look::ALL[*at]));
+                            sights.push(sights[0].other(policy, subject, Look::ALL[*at]));
                         }
                     } else {
-                        bend(x, KICK, &mut self.rng);
+                        bend(2, x, KICK, &mut self.rng);
                     }
-                    sights[*at].encode(policy, objective, x, scratch);
+                    objective.free_segments(x, own);
+                    sights[*at].encode(policy, subject, (x, own), scratch);
+                } else {
+                    sights[*at].encode(policy, subject, (x, free), scratch);
                 }
                 *age += 1;
                 network.forward(scratch, objective.waypoints());
                 sights[*at].view.apply(rule, |i| scratch.output(i), x);
             }
-            // `new` made the sight that belongs to the network.
+            // `new` made the sight that belongs to the network, in the plane where it needs one.
             _ => {}
         }
     }
 
     /// Reads the task's map, where the policy has one and that has not been done; else the first step does it.
     pub fn prepare(&mut self, objective: &Objective) {
-        if let (PolicyNetwork::Waypoint { view: parts, network }, Sight::Waypoints { sights, .. }) =
-            (self.policy.network(), &mut self.sight)
+        if let (
+            PolicyNetwork::Waypoint { view: parts, network },
+            Sight::Waypoints { sights, .. },
+            Some(subject),
+        ) = (self.policy.network(), &mut self.sight, objective.plane())
         {
-            sights[0].read_map(parts, network, objective);
+            sights[0].read_map(parts, network, subject);
         }
     }
 
     /// Whether the policy sees the gradient of U.
     pub fn uses_gradient(&self) -> bool {
         matches!(self.sight, Sight::Whole { .. })
+    }
+
+    /// Whether the policy sees which segments are free.
+    pub fn uses_free_segments(&self) -> bool {
+        matches!(self.sight, Sight::Waypoints { .. })
     }
 }

@@ -19,7 +19,6 @@ use rand_chacha::ChaCha8Rng;
 use crate::error::InvalidInput;
 use crate::objective::{Cost, Objective};
 use crate::policy::Policy;
-use crate::task::Task;
 
 /// An optimizer and its settings. Steps are in normalised units.
 #[derive(Debug, Clone)]
@@ -67,6 +66,17 @@ pub enum Method {
     Learned(Arc<Policy>),
 }
 
+/// What is known of a trajectory when an optimizer steps.
+#[derive(Debug, Clone, Copy)]
+pub struct Known<'a> {
+    /// U; 0 for methods that use no gradient.
+    pub cost: Cost,
+    /// ∂U `[N x dof]`, for methods that use it.
+    pub gradient: &'a [f32],
+    /// Which segments are certified `[N + 1]`, for methods that look at it.
+    pub free: &'a [bool],
+}
+
 /// A method at work on one trajectory.
 #[derive(Debug)]
 pub struct Optimizer(State);
@@ -90,11 +100,10 @@ impl Optimizer {
     /// If a learned policy does not fit the task or its number of waypoints.
     pub fn new(
         method: &Method,
-        task: &Task,
         objective: &Objective,
         rng: ChaCha8Rng,
     ) -> Result<Self, InvalidInput> {
-        let n = objective.dim();
+        let (n, waypoints, dof) = (objective.dim(), objective.waypoints(), objective.dof());
         let default_step = objective.scene().profile().gradient_step as f32;
         Ok(Self(match *method {
             Method::GradientDescent { step } => {
@@ -108,27 +117,26 @@ impl Optimizer {
             }
             Method::Adam { step } => State::Adam(adam::Adam::new(step, n)),
             Method::Chomp { step } => {
-                State::Chomp(chomp::Chomp::new(step.unwrap_or(0.1 * default_step), n))
+                let step = step.unwrap_or(0.1 * default_step);
+                State::Chomp(chomp::Chomp::new(step, waypoints, dof))
             }
             Method::Lbfgs { memory } => {
                 State::Lbfgs(Box::new(lbfgs::Lbfgs::new(memory, objective)))
             }
             Method::Stomp { rollouts, noise } => {
-                State::Stomp(Box::new(stomp::Stomp::new(rollouts, noise, n / 2, rng)?))
+                State::Stomp(Box::new(stomp::Stomp::new(rollouts, noise, waypoints, dof, rng)?))
             }
-            Method::Learned(ref policy) => State::Learned(Box::new(learned::Learned::new(
-                policy.clone(),
-                task,
-                objective,
-                rng,
-            )?)),
+            Method::Learned(ref policy) => {
+                State::Learned(Box::new(learned::Learned::new(policy.clone(), objective, rng)?))
+            }
         }))
     }
 
-    /// One iteration: updates the waypoints `x`, given U and its gradient there.
+    /// One iteration: updates the waypoints `x`, given what is known of them.
     ///
     /// Methods that need more evaluations make them on `objective`.
-    pub fn step(&mut self, x: &mut [f32], cost: Cost, gradient: &[f32], objective: &mut Objective) {
+    pub fn step(&mut self, x: &mut [f32], known: Known<'_>, objective: &mut Objective) {
+        let Known { cost, gradient, free } = known;
         match &mut self.0 {
             State::GradientDescent { step } => gradient_descent::step(*step, x, gradient),
             State::LineSearch(search) => search.step(x, cost, gradient, objective),
@@ -137,7 +145,7 @@ impl Optimizer {
             State::Chomp(chomp) => chomp.step(x, gradient),
             State::Lbfgs(lbfgs) => lbfgs.step(x),
             State::Stomp(stomp) => stomp.step(x, objective),
-            State::Learned(learned) => learned.step(x, gradient, objective),
+            State::Learned(learned) => learned.step(x, gradient, free, objective),
         }
     }
 
@@ -146,6 +154,11 @@ impl Optimizer {
         if let State::Learned(learned) = &mut self.0 {
             learned.prepare(objective);
         }
+    }
+
+    /// Whether the method looks at which segments are free.
+    pub fn uses_free_segments(&self) -> bool {
+        matches!(&self.0, State::Learned(learned) if learned.uses_free_segments())
     }
 
     /// Whether the method uses the gradient handed to [`Optimizer::step`].

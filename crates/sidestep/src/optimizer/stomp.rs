@@ -13,12 +13,13 @@ use crate::objective::Objective;
 #[derive(Debug)]
 pub(super) struct Stomp {
     rollouts: usize,
+    dof: usize,
     rng: ChaCha8Rng,
     /// `[N x N]` L with L Lᵀ = noise² R⁻¹, its largest variance scaled to 1 first.
     factor: Vec<f32>,
     /// `[N x N]` M.
     smoothing: Vec<f32>,
-    /// `[rollouts x N x 2]`.
+    /// `[rollouts x N x dof]`.
     noise: Vec<f32>,
     /// `[rollouts x N]`.
     costs: Vec<f32>,
@@ -35,6 +36,7 @@ impl Stomp {
         rollouts: usize,
         noise: f32,
         waypoints: usize,
+        dof: usize,
         rng: ChaCha8Rng,
     ) -> Result<Self, InvalidInput> {
         if waypoints > MAX_WAYPOINTS {
@@ -55,20 +57,22 @@ impl Stomp {
         }
         Ok(Self {
             rollouts,
+            dof,
             rng,
             factor: factor.iter().map(|&v| v as f32 * noise).collect(),
             smoothing,
-            noise: vec![0.0; rollouts * n * 2],
+            noise: vec![0.0; rollouts * n * dof],
             costs: vec![0.0; rollouts * n],
-            trial: vec![0.0; n * 2],
+            trial: vec![0.0; n * dof],
         })
     }
 
     pub fn step(&mut self, x: &mut [f32], objective: &mut Objective) {
-        let n = x.len() / 2;
+        let (dof, dim) = (self.dof, x.len());
+        let n = dim / dof;
         for k in 0..self.rollouts {
-            let noise = &mut self.noise[k * 2 * n..(k + 1) * 2 * n];
-            draw_noise(&mut self.rng, &self.factor, noise);
+            let noise = &mut self.noise[k * dim..(k + 1) * dim];
+            draw_noise(&mut self.rng, &self.factor, dof, noise);
             for ((trial, x), e) in self.trial.iter_mut().zip(&*x).zip(&*noise) {
                 *trial = x + e;
             }
@@ -76,8 +80,8 @@ impl Stomp {
             let costs = &mut self.costs[k * n..(k + 1) * n];
             objective.local_costs(costs);
         }
-        let mut update = vec![[0.0f32; 2]; n];
-        for i in 0..n {
+        let mut update = vec![0.0f32; dim];
+        for (i, update) in update.chunks_exact_mut(dof).enumerate() {
             let cost = |k: usize| self.costs[k * n + i];
             let least = (0..self.rollouts).map(cost).fold(f32::INFINITY, f32::min);
             let most = (0..self.rollouts).map(cost).fold(f32::NEG_INFINITY, f32::max);
@@ -86,29 +90,28 @@ impl Stomp {
             for k in 0..self.rollouts {
                 let weight = (-SENSITIVITY * (cost(k) - least) / range).exp();
                 total += weight;
-                for axis in 0..2 {
-                    update[i][axis] += weight * self.noise[(k * n + i) * 2 + axis];
-                }
+                let noise = &self.noise[k * dim + i * dof..][..dof];
+                update.iter_mut().zip(noise).for_each(|(u, e)| *u += weight * e);
             }
-            update[i] = update[i].map(|u| u / total);
+            update.iter_mut().for_each(|u| *u /= total);
         }
-        for i in 0..n {
-            for j in 0..n {
-                for axis in 0..2 {
-                    x[2 * i + axis] += self.smoothing[i * n + j] * update[j][axis];
-                }
+        for (i, x) in x.chunks_exact_mut(dof).enumerate() {
+            for (j, update) in update.chunks_exact(dof).enumerate() {
+                let smoothing = self.smoothing[i * n + j];
+                x.iter_mut().zip(update).for_each(|(x, u)| *x += smoothing * u);
             }
         }
     }
 }
 
-/// Fills `noise` (`[N x 2]`) with L z for standard normal z on each axis.
-fn draw_noise(rng: &mut ChaCha8Rng, factor: &[f32], noise: &mut [f32]) {
-    let n = noise.len() / 2;
-    let normals: Vec<f32> = (0..n).flat_map(|_| normal_pair(rng)).collect();
-    for i in 0..n {
-        for axis in 0..2 {
-            noise[2 * i + axis] = (0..=i).map(|j| factor[i * n + j] * normals[2 * j + axis]).sum();
+/// Fills `noise` (`[N x dof]`) with L z for standard normal z on each coordinate.
+fn draw_noise(rng: &mut ChaCha8Rng, factor: &[f32], dof: usize, noise: &mut [f32]) {
+    let n = noise.len() / dof;
+    let pairs = noise.len().div_ceil(2);
+    let normals: Vec<f32> = (0..pairs).flat_map(|_| normal_pair(rng)).collect();
+    for (i, noise) in noise.chunks_exact_mut(dof).enumerate() {
+        for (k, noise) in noise.iter_mut().enumerate() {
+            *noise = (0..=i).map(|j| factor[i * n + j] * normals[dof * j + k]).sum();
         }
     }
 }

@@ -1,14 +1,14 @@
 //! The answer to a planning question.
 
-use crate::plane::certificate::Violation;
 use crate::plane::shortest_path::{Doubt, Proof};
-use crate::trajectory::Trajectory;
+use crate::scene::{Certified, Query, Refused};
+use crate::trajectory::{Trajectory, Violation};
 
 /// How a planning question was answered.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Status {
-    /// The trajectory is certified free of collision.
-    Solved,
+    /// A trajectory that is certified free of collision.
+    Solved(Certified),
     /// No certified plan was found, which proves nothing.
     Unsolved(Reason),
     /// It is proved that there is no path.
@@ -21,7 +21,7 @@ impl Status {
     /// `solved`, `unsolved`, `unsolvable` or `invalid`.
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Solved => "solved",
+            Self::Solved(_) => "solved",
             Self::Unsolved(_) => "unsolved",
             Self::Unsolvable(_) => "unsolvable",
             Self::Invalid(_) => "invalid",
@@ -31,7 +31,7 @@ impl Status {
     /// Why it is not solved, in words; empty where it is.
     pub fn reason(&self) -> String {
         match self {
-            Self::Solved => String::new(),
+            Self::Solved(_) => String::new(),
             Self::Unsolved(reason) => reason.to_string(),
             Self::Unsolvable(proof) => proof.to_string(),
             Self::Invalid(violation) => violation.to_string(),
@@ -66,6 +66,12 @@ pub enum Reason {
         /// Samples drawn.
         samples: usize,
     },
+    /// What a planner found is refused by the certificate.
+    #[error("the planner's path is not certified; {violation}")]
+    NotCertified {
+        /// What is wrong with it.
+        violation: Violation,
+    },
     /// The exact search could not decide.
     #[error("undecided: {0}")]
     Undecided(Doubt),
@@ -74,10 +80,10 @@ pub enum Reason {
 /// The answer to a planning question.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Whether there is a certified trajectory, and if not, why.
+    /// A certified trajectory, or why there is none.
     pub status: Status,
-    /// The certified trajectory; where not solved, the last attempt of an optimizer.
-    pub trajectory: Option<Trajectory>,
+    /// Where not solved, the last attempt of an optimizer.
+    pub attempt: Option<Trajectory>,
     /// Optimizer steps to the plan, from the start that it came from.
     pub steps: usize,
     /// What made the plan.
@@ -85,14 +91,40 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The answer to a task whose start or goal is not free.
-    pub(super) fn invalid(violation: Violation) -> Self {
-        Self {
-            status: Status::Invalid(violation),
-            trajectory: None,
-            steps: 0,
-            origin: Origin::FirstStart,
+    /// Whether there is a certified trajectory.
+    pub fn is_solved(&self) -> bool {
+        self.certified().is_some()
+    }
+
+    /// The certified trajectory, where there is one.
+    pub fn certified(&self) -> Option<&Trajectory> {
+        match &self.status {
+            Status::Solved(certified) => Some(certified.trajectory()),
+            _ => None,
         }
+    }
+
+    /// The certified trajectory; where there is none, the last attempt.
+    pub fn trajectory(&self) -> Option<&Trajectory> {
+        self.certified().or(self.attempt.as_ref())
+    }
+
+    /// The answer of a planner that says that the trajectory is one; the certificate has the last word.
+    pub(super) fn of(query: &Query, trajectory: Trajectory, steps: usize, origin: Origin) -> Self {
+        match query.certify(trajectory) {
+            Ok(certified) => {
+                Self { status: Status::Solved(certified), attempt: None, steps, origin }
+            }
+            Err(Refused { violation, trajectory }) => {
+                let status = Status::Unsolved(Reason::NotCertified { violation });
+                Self { status, attempt: Some(trajectory), steps, origin }
+            }
+        }
+    }
+
+    /// An answer without any trajectory.
+    pub(super) fn none(status: Status, origin: Origin) -> Self {
+        Self { status, attempt: None, steps: 0, origin }
     }
 }
 

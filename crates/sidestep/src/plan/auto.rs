@@ -11,18 +11,13 @@
 //! So every task is answered that the exact search decides in the time that there is, and no plan is longer than
 //! [`LONGEST`] times the shortest. Where the search does not decide, the thorough optimizer from random starts follows.
 
-use std::sync::Arc;
-
 use super::{Options, Origin, Plan, Status, Stop, Watch, optimize, shortest};
 use crate::error::InvalidInput;
 use crate::optimizer::Method;
 use crate::plan::smooth::smooth;
-use crate::plane::certificate::Certifier;
-use crate::plane::geometry::distance;
 use crate::policy::shipped;
-use crate::scene::Scene;
-use crate::task::Task;
-use crate::trajectory::Trajectory;
+use crate::scene::Query;
+use crate::trajectory::distance;
 
 /// A plan may be this many times as long as the shortest path.
 pub const LONGEST: f64 = 1.2;
@@ -60,29 +55,29 @@ impl Auto {
 
     pub(super) fn plan(
         &self,
-        scene: &Arc<Scene>,
-        task: &Task,
+        query: &Query,
         options: &Options,
         watch: Watch<'_>,
     ) -> Result<Plan, InvalidInput> {
-        if options.stop == Stop::First && options.warm_start.is_none() {
-            let certifier = scene.certifier();
-            if certifier.segment_is_free(task.start, task.goal) {
-                return Ok(straight(certifier, task, options.waypoints()));
-            }
+        let (start, goal) = (query.start(), query.goal());
+        if options.stop == Stop::First
+            && options.warm_start.is_none()
+            && query.scene().motion_is_free(start, goal)
+        {
+            let waypoints = options.waypoints.unwrap_or(query.scene().profile().waypoints);
+            return Ok(straight(query, waypoints));
         }
         let is_short = |plan: &Plan, shortest: f64| {
-            let length = plan.trajectory.as_ref().map_or(f64::INFINITY, Trajectory::length);
-            plan.status == Status::Solved && length <= LONGEST * shortest
+            plan.certified().is_some_and(|path| path.length() <= LONGEST * shortest)
         };
         let with = |method: &Method, most: usize, starts: usize| {
             let steps = match method {
                 Method::Learned(_) => options.steps.min(most),
                 _ => options.steps,
             };
-            optimize(scene, task, method, &Options { steps, starts, ..options.clone() }, watch)
+            optimize(query, method, &Options { steps, starts, ..options.clone() }, watch)
         };
-        let straight_length = distance(task.start, task.goal);
+        let straight_length = distance(start, goal);
         let mut optimized = with(&self.quick, QUICK_STEPS, 1)?;
         if options.starts > 1 && !is_short(&optimized, straight_length) {
             optimized = with(&self.thorough, LEARNED_STEPS, options.starts)?;
@@ -90,52 +85,58 @@ impl Auto {
         if is_short(&optimized, straight_length) {
             return Ok(optimized);
         }
-        let exact = shortest(scene, task, watch);
-        let Some(path) = exact.trajectory.as_ref().filter(|_| exact.status == Status::Solved)
-        else {
+        let Some(exact) = shortest(query, watch) else {
+            // Nothing says how much of a detour it is, nor that there is no path.
+            return match optimized.is_solved() {
+                true => Ok(optimized),
+                false => with(&self.thorough, LEARNED_STEPS, options.starts.max(STARTS)),
+            };
+        };
+        let Some(path) = exact.certified() else {
             return match exact.status {
-                _ if optimized.status == Status::Solved => Ok(optimized),
+                _ if optimized.is_solved() => Ok(optimized),
                 Status::Unsolved(_) if options.starts < STARTS => {
                     with(&self.thorough, LEARNED_STEPS, STARTS)
                 }
-                _ => Ok(Plan { trajectory: optimized.trajectory, ..exact }),
+                _ => Ok(Plan { attempt: optimized.attempt, ..exact }),
             };
         };
         if is_short(&optimized, path.length()) {
             return Ok(optimized);
         }
-        let smoothed = smooth(scene, task, path, LONGEST, options.steps, options.starts, watch)?;
+        let smoothed = smooth(query, path, LONGEST, options.steps, options.starts, watch)?;
         Ok(match smoothed {
-            Some(smooth) => Plan {
-                status: Status::Solved,
-                trajectory: Some(smooth.trajectory),
-                steps: smooth.steps,
-                origin: Origin::SmoothShortestPath,
-            },
+            Some(smooth) => {
+                Plan::of(query, smooth.trajectory, smooth.steps, Origin::SmoothShortestPath)
+            }
             None => exact,
         })
     }
 }
 
 /// The straight line, which was certified, with waypoints unless rounding puts one of them too close.
-fn straight(certifier: &Certifier, task: &Task, waypoints: usize) -> Plan {
-    let line = Trajectory::from_points(&[task.start, task.goal]);
-    let points = line.evenly(waypoints.saturating_add(2));
-    let trajectory =
-        if certifier.is_certified(&points) { Trajectory::from_points(&points) } else { line };
-    let (status, trajectory) = (Status::Solved, Some(trajectory));
-    Plan { status, trajectory, steps: 0, origin: Origin::FirstStart }
+fn straight(query: &Query, waypoints: usize) -> Plan {
+    let line = query.line();
+    match query.certify(line.evenly(waypoints.saturating_add(2))) {
+        Ok(certified) => {
+            let (status, origin) = (Status::Solved(certified), Origin::FirstStart);
+            Plan { status, attempt: None, steps: 0, origin }
+        }
+        Err(_) => Plan::of(query, line, 0, Origin::FirstStart),
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::optimizer::Method;
     use crate::plan::{Planner, plan_batch, plan_in};
+    use crate::plane::Robot;
     use crate::plane::shortest_path::ShortestPath;
     use crate::plane::world::{Grid, World};
     use crate::profile::Profile;
-    use crate::robot::Robot;
+    use crate::scene::{PlaneTask, Task};
     use crate::suite::Suite;
     use crate::suite::queries::random_queries;
 
@@ -145,11 +146,11 @@ mod tests {
         let options = Options { profile, ..Options::default() };
         let plans = plan_batch(tasks, &planner, &options).unwrap();
         for (index, (task, plan)) in tasks.iter().zip(&plans).enumerate() {
-            let route = ShortestPath::new(&task.world, task.robot).find(task.start, task.goal);
-            match (route.length(), &plan.trajectory) {
+            let PlaneTask { world, robot, start, goal, .. } = task.plane().unwrap();
+            let route = ShortestPath::new(world, robot).find(start, goal);
+            match (route.length(), plan.certified()) {
                 (Some(length), Some(path)) => {
-                    assert_eq!(plan.status, Status::Solved, "{index}");
-                    assert_eq!(crate::certify(task, path), Ok(()), "{index}");
+                    assert!(crate::certify(task, path).is_ok(), "{index}");
                     assert!(path.length() <= LONGEST * length + 1e-9, "{index}");
                 }
                 (Some(_), None) => panic!("{index}: {plan:?}"),
@@ -197,10 +198,10 @@ mod tests {
         let watch = Watch { go_on: &|| false, ..Watch::NONE };
         let (mut solved, mut late) = (0, 0);
         for task in maze() {
-            let scene = Arc::new(Scene::of(&task, &options.profile));
-            let plan = plan_in(&scene, &task, &planner, &options, watch).unwrap();
+            let query = Query::of(&task, &options.profile);
+            let plan = plan_in(&query, &planner, &options, watch).unwrap();
             match plan.status {
-                Status::Solved => solved += 1,
+                Status::Solved(_) => solved += 1,
                 // From each start nothing but the start was looked at.
                 Status::Unsolved(reason) => {
                     assert!(reason.to_string().contains("the time budget"), "{reason}");

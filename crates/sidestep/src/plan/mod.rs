@@ -26,14 +26,13 @@ use crate::objective::Objective;
 use crate::optimizer::{Method, Optimizer};
 use crate::plan::rrt_connect::{RrtConnect, RrtRun};
 use crate::plan::run::{Iteration, Run, Until, run};
-use crate::plan::starts::{StartStrategy, polyline};
-use crate::plane::certificate::{Certifier, Violation};
-use crate::plane::shortest_path::{Proof, Route};
+use crate::plan::starts::StartStrategy;
+use crate::plane::shortest_path::{Doubt, Proof, Route};
 use crate::profile::{MAX_WAYPOINTS, Profile};
 use crate::rng::{Purpose, stream};
-use crate::scene::Scene;
-use crate::task::Task;
+use crate::scene::{Query, Refused, Scene, Task};
 use crate::trajectory::Trajectory;
+use crate::trajectory::waypoints::polyline;
 
 /// How to look for a plan.
 #[derive(Debug, Clone)]
@@ -131,8 +130,7 @@ impl Watch<'_> {
 /// # Errors
 /// If an option is out of range or a learned policy does not fit the task.
 pub fn plan(task: &Task, planner: &Planner, options: &Options) -> Result<Plan, InvalidInput> {
-    let scene = Arc::new(Scene::of(task, &options.profile));
-    plan_in(&scene, task, planner, options, Watch::NONE)
+    plan_in(&Query::of(task, &options.profile), planner, options, Watch::NONE)
 }
 
 /// Plans many tasks on all cores; task i draws from stream i. Results do not depend on the number
@@ -145,13 +143,13 @@ pub fn plan_batch(
     planner: &Planner,
     options: &Options,
 ) -> Result<Vec<Plan>, InvalidInput> {
-    let plans: Result<Vec<Vec<Plan>>, _> = by_world(tasks)
+    let plans: Result<Vec<Vec<Plan>>, _> = by_setting(tasks)
         .into_par_iter()
         .map(|(first, neighbours)| {
             let scene = Arc::new(Scene::of(&neighbours[0], &options.profile));
             let plan_one = |(offset, task)| {
                 let options = Options { index: (first + offset) as u64, ..options.clone() };
-                plan_in(&scene, task, planner, &options, Watch::NONE)
+                plan_in(&Query::new(&scene, task)?, planner, &options, Watch::NONE)
             };
             neighbours.par_iter().enumerate().map(plan_one).collect()
         })
@@ -159,11 +157,11 @@ pub fn plan_batch(
     Ok(plans?.into_iter().flatten().collect())
 }
 
-/// The runs of neighbouring tasks that have a world and a robot in common, and so a [`Scene`], each
+/// The runs of neighbouring tasks that have their setting in common, and so a [`Scene`], each
 /// with the index of its first task.
-pub fn by_world(tasks: &[Task]) -> Vec<(usize, &[Task])> {
+pub fn by_setting(tasks: &[Task]) -> Vec<(usize, &[Task])> {
     let mut first = 0;
-    let runs = tasks.chunk_by(|a, b| Arc::ptr_eq(&a.world, &b.world) && a.robot == b.robot);
+    let runs = tasks.chunk_by(|a, b| a.setting.is_same(&b.setting));
     runs.map(|run| {
         first += run.len();
         (first - run.len(), run)
@@ -171,44 +169,38 @@ pub fn by_world(tasks: &[Task]) -> Vec<(usize, &[Task])> {
     .collect()
 }
 
-/// Plans one task in a scene that was prepared for its world and robot and the options' profile.
+/// Answers a query; the profile is its scene's, whatever the options say.
 ///
 /// # Errors
 /// As [`plan()`].
 pub fn plan_in(
-    scene: &Arc<Scene>,
-    task: &Task,
+    query: &Query,
     planner: &Planner,
     options: &Options,
     watch: Watch<'_>,
 ) -> Result<Plan, InvalidInput> {
     options.check()?;
-    if let Err(violation) = check_ends(scene.certifier(), task) {
-        return Ok(Plan::invalid(violation));
+    if let Err(violation) = query.check_ends() {
+        return Ok(Plan::none(Status::Invalid(violation), Origin::FirstStart));
     }
     match planner {
-        Planner::Optimizer(method) => Ok(or_proof(
-            optimize(scene, task, method, options, watch)?,
-            scene,
-            task,
-            options,
-            watch,
-        )),
-        Planner::RrtConnect(rrt) => {
-            Ok(or_proof(tree(scene.certifier(), task, rrt, options), scene, task, options, watch))
+        Planner::Optimizer(method) => {
+            Ok(or_proof(optimize(query, method, options, watch)?, query, options, watch))
         }
-        Planner::ShortestPath => Ok(shortest(scene, task, watch)),
-        Planner::Auto(auto) => auto.plan(scene, task, options, watch),
+        Planner::RrtConnect(rrt) => Ok(or_proof(tree(query, rrt, options), query, options, watch)),
+        Planner::ShortestPath => shortest(query, watch)
+            .ok_or_else(|| InvalidInput::new("planner", "shortest-path", "a robot in the plane")),
+        Planner::Auto(auto) => auto.plan(query, options, watch),
     }
 }
 
 /// The plan; where it is not solved and the options ask for it, with the proof that there is none.
-fn or_proof(plan: Plan, scene: &Scene, task: &Task, options: &Options, watch: Watch<'_>) -> Plan {
-    if plan.status == Status::Solved || !options.prove {
+fn or_proof(plan: Plan, query: &Query, options: &Options, watch: Watch<'_>) -> Plan {
+    if plan.is_solved() || !options.prove {
         return plan;
     }
-    match scene.shortest_path().find_while(task.start, task.goal, watch.go_on) {
-        Route::Unsolvable(proof) => Plan { status: Status::Unsolvable(proof), ..plan },
+    match query.scene().exact(query.start(), query.goal(), watch.go_on) {
+        Some(Route::Unsolvable(proof)) => Plan { status: Status::Unsolvable(proof), ..plan },
         _ => plan,
     }
 }
@@ -224,22 +216,11 @@ impl Options {
             let fits = (least..=most).contains(&value);
             fits.then_some(()).ok_or_else(|| InvalidInput::new(field, value, allowed()))
         };
-        range("waypoints", self.waypoints(), 1, MAX_WAYPOINTS)?;
+        let waypoints = self.waypoints.unwrap_or(self.profile.waypoints);
+        range("waypoints", waypoints, 1, MAX_WAYPOINTS)?;
         range("starts", self.starts, 1, MAX_STARTS)?;
         range("steps", self.steps, 0, MAX_STEPS)
     }
-
-    fn waypoints(&self) -> usize {
-        self.waypoints.unwrap_or(self.profile.waypoints)
-    }
-}
-
-/// Whether start and goal are themselves free.
-fn check_ends(certifier: &Certifier, task: &Task) -> Result<(), Violation> {
-    if certifier.point_is_free(task.start) && certifier.point_is_free(task.goal) {
-        return Ok(());
-    }
-    certifier.check(&Trajectory::from_points(&[task.start, task.goal]))
 }
 
 /// One start's run: its waypoints end at the last iterate.
@@ -250,29 +231,29 @@ struct Attempt {
 }
 
 fn optimize(
-    scene: &Arc<Scene>,
-    task: &Task,
+    query: &Query,
     method: &Method,
     options: &Options,
     watch: Watch<'_>,
 ) -> Result<Plan, InvalidInput> {
-    let objective = Objective::new(task, scene.clone(), options.waypoints())?;
-    let attempt = |start: usize| {
-        let mut objective = objective.clone();
+    let waypoints = options.waypoints.unwrap_or(query.scene().profile().waypoints);
+    let mut objective = Objective::new(query, waypoints)?;
+    let attempt = |objective: &mut Objective, start: usize| {
         let mut x = vec![0.0; objective.dim()];
         let mut rng = stream(options.seed, Purpose::Start, options.index, start as u64);
         match (&options.warm_start, start) {
-            (Some(warm), 0) => resample(&objective, warm, &mut x),
+            (Some(warm), 0) => resample(objective, warm, &mut x)?,
             (None, 0) => objective.straight_line(&mut x),
-            _ => options.strategy.draw(&objective, &mut rng, &mut x),
+            _ => options.strategy.draw(objective, &mut rng, &mut x),
         }
-        attempt(&mut objective, task, method, options, start, x, watch)
+        attempt(objective, method, options, start, x, watch)
     };
-    let first = attempt(0)?;
+    let first = attempt(&mut objective, 0)?;
     if options.stop == Stop::First && first.run.best.is_some() || options.starts == 1 {
         return Ok(chosen(&objective, options, vec![first]));
     }
-    let others: Result<Vec<_>, _> = (1..options.starts).into_par_iter().map(attempt).collect();
+    let other = |start: usize| attempt(&mut objective.clone(), start);
+    let others: Result<Vec<_>, _> = (1..options.starts).into_par_iter().map(other).collect();
     let attempts = std::iter::once(first).chain(others?).collect();
     Ok(chosen(&objective, options, attempts))
 }
@@ -280,7 +261,6 @@ fn optimize(
 /// Runs the method from the waypoints `x`.
 fn attempt(
     objective: &mut Objective,
-    task: &Task,
     method: &Method,
     options: &Options,
     start: usize,
@@ -288,7 +268,7 @@ fn attempt(
     watch: Watch<'_>,
 ) -> Result<Attempt, InvalidInput> {
     let rng = stream(options.seed, Purpose::Planner, options.index, start as u64);
-    let mut optimizer = Optimizer::new(method, task, objective, rng)?;
+    let mut optimizer = Optimizer::new(method, objective, rng)?;
     let until = match options.stop {
         Stop::First => Until::Certified,
         Stop::Best => Until::Spent,
@@ -304,62 +284,75 @@ fn chosen(objective: &Objective, options: &Options, attempts: Vec<Attempt>) -> P
     let starts = attempts.len();
     let solved = attempts.iter().filter_map(|a| a.run.best.as_ref().map(|best| (a, best)));
     let best = solved.min_by(|(_, p), (_, q)| p.cost.total_cmp(&q.cost));
-    if let Some((attempt, best)) = best {
-        return Plan {
-            status: Status::Solved,
-            trajectory: Some(objective.trajectory(&best.waypoints)),
-            steps: attempt.run.first_certified.unwrap_or(attempt.run.steps),
-            origin: match attempt.start {
-                0 => Origin::FirstStart,
-                start => Origin::RandomStart(start),
-            },
-        };
-    }
+    // The certificate has passed the best iterate: so it does the trajectory that is made of it.
     let first = &attempts[0];
-    let trajectory = objective.trajectory(&first.waypoints);
-    let steps = first.run.steps;
-    let status = match objective.scene().certifier().check(&trajectory) {
-        // The paper's check can refuse a point on a wall that the exact one passes.
-        Ok(()) => Status::Solved,
-        Err(violation) if steps < options.steps => {
-            Status::Unsolved(Reason::BrokenOff { steps, violation })
+    let (attempt, waypoints, steps) = match best {
+        Some((attempt, best)) => {
+            let steps = attempt.run.first_certified.unwrap_or(attempt.run.steps);
+            (attempt, &best.waypoints, steps)
         }
-        Err(violation) => Status::Unsolved(Reason::StepsSpent { steps, starts, violation }),
+        None => (first, &first.waypoints, first.run.steps),
     };
-    Plan { status, trajectory: Some(trajectory), steps, origin: Origin::FirstStart }
+    let origin = match attempt.start {
+        0 => Origin::FirstStart,
+        start => Origin::RandomStart(start),
+    };
+    match objective.query().certify(objective.trajectory(waypoints)) {
+        // Also where the paper's check refuses a point on a wall that the exact one passes.
+        Ok(certified) => Plan { status: Status::Solved(certified), attempt: None, steps, origin },
+        Err(Refused { violation, trajectory }) => {
+            let reason = if steps < options.steps {
+                Reason::BrokenOff { steps, violation }
+            } else {
+                Reason::StepsSpent { steps, starts, violation }
+            };
+            Plan { status: Status::Unsolved(reason), attempt: Some(trajectory), steps, origin }
+        }
+    }
 }
 
 /// Spreads the objective's waypoints evenly along a trajectory's interior points.
-fn resample(objective: &Objective, trajectory: &Trajectory, x: &mut [f32]) {
-    let frame = objective.scene().frame();
-    let inner = trajectory.points().get(1..trajectory.points().len().max(2) - 1).unwrap_or(&[]);
-    let corners: Vec<[f32; 2]> = std::iter::once(objective.start())
-        .chain(inner.iter().map(|&p| frame.to_normalised(p)))
-        .chain([objective.goal()])
-        .collect();
-    polyline(&corners, x.as_chunks_mut::<2>().0);
-}
-
-fn shortest(scene: &Scene, task: &Task, watch: Watch<'_>) -> Plan {
-    let route = scene.shortest_path().find_while(task.start, task.goal, watch.go_on);
-    let (status, trajectory) = match route {
-        Route::Found { trajectory, .. } => (Status::Solved, Some(trajectory)),
-        Route::Unsolvable(Proof::End(violation)) => (Status::Invalid(violation), None),
-        Route::Unsolvable(proof) => (Status::Unsolvable(proof), None),
-        Route::Undecided(doubt) => (Status::Unsolved(Reason::Undecided(doubt)), None),
-    };
-    Plan { status, trajectory, steps: 0, origin: Origin::ShortestPath }
-}
-
-fn tree(certifier: &Certifier, task: &Task, rrt: &RrtConnect, options: &Options) -> Plan {
-    if let Err(violation) = check_ends(certifier, task) {
-        return Plan::invalid(violation);
+fn resample(
+    objective: &Objective,
+    trajectory: &Trajectory,
+    x: &mut [f32],
+) -> Result<(), InvalidInput> {
+    let dof = objective.dof();
+    if trajectory.dof() != dof {
+        let found = format!("configurations of {} numbers", trajectory.dof());
+        let allowed = format!("configurations of {dof} numbers, as the task's robot has");
+        return Err(InvalidInput::new("warm_start", found, allowed));
     }
+    let inner = 1..trajectory.len().max(2) - 1;
+    let inner = trajectory.values().get(inner.start * dof..inner.end * dof).unwrap_or(&[]);
+    let mut corners = vec![0.0; inner.len() + 2 * dof];
+    corners[..dof].copy_from_slice(objective.start());
+    objective.scene().to_normalised(inner, &mut corners[dof..dof + inner.len()]);
+    corners[dof + inner.len()..].copy_from_slice(objective.goal());
+    polyline(dof, &corners, x);
+    Ok(())
+}
+
+/// The exact answer, where there is a search for it.
+fn shortest(query: &Query, watch: Watch<'_>) -> Option<Plan> {
+    let origin = Origin::ShortestPath;
+    Some(match query.scene().exact(query.start(), query.goal(), watch.go_on)? {
+        Route::Found { trajectory, .. } => Plan::of(query, trajectory, 0, origin),
+        Route::Unsolvable(Proof::End(violation)) => Plan::none(Status::Invalid(violation), origin),
+        Route::Unsolvable(proof) => Plan::none(Status::Unsolvable(proof), origin),
+        Route::Undecided(doubt) => Plan::none(undecided(doubt), origin),
+    })
+}
+
+fn undecided(doubt: Doubt) -> Status {
+    Status::Unsolved(Reason::Undecided(doubt))
+}
+
+fn tree(query: &Query, rrt: &RrtConnect, options: &Options) -> Plan {
     let mut rng = stream(options.seed, Purpose::Planner, options.index, 0);
-    let RrtRun { trajectory, samples, .. } = rrt.plan(task, certifier, &mut rng);
-    let status = match trajectory {
-        Some(_) => Status::Solved,
-        None => Status::Unsolved(Reason::SamplesSpent { samples }),
-    };
-    Plan { status, trajectory, steps: 0, origin: Origin::Tree }
+    let RrtRun { trajectory, samples, .. } = rrt.plan(query, &mut rng);
+    match trajectory {
+        Some(trajectory) => Plan::of(query, trajectory, 0, Origin::Tree),
+        None => Plan::none(Status::Unsolved(Reason::SamplesSpent { samples }), Origin::Tree),
+    }
 }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::objective::{Cost, Objective};
-use crate::optimizer::Optimizer;
+use crate::optimizer::{Known, Optimizer};
 
 /// When a run ends before its budget of steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,7 +25,7 @@ pub struct Iteration<'a> {
     pub index: usize,
     /// U at the iterate, where the method or the end of the run asks for it.
     pub cost: Option<Cost>,
-    /// The waypoints, `[N x 2]`, normalised units.
+    /// The waypoints, `[N x dof]`, normalised units.
     pub waypoints: &'a [f32],
     /// Whether the check that ends the run passed.
     pub solved: bool,
@@ -51,7 +51,7 @@ pub struct Run {
 pub struct Best {
     /// U there.
     pub cost: f32,
-    /// The waypoints, `[N x 2]`, normalised units.
+    /// The waypoints, `[N x dof]`, normalised units.
     pub waypoints: Vec<f32>,
 }
 
@@ -66,15 +66,21 @@ pub fn run(
     mut watch: impl FnMut(&Iteration<'_>) -> ControlFlow<()>,
 ) -> Run {
     let mut gradient = vec![0.0; x.len()];
+    let mut free = vec![false; objective.waypoints() + 1];
     let mut run = Run::default();
     let exact_profile = objective.feasible_means_certified();
+    let sees_segments = optimizer.uses_free_segments();
     for index in 0..=steps {
-        let feasible = until != Until::Certified && objective.is_feasible(x);
+        // Asked once: what ends the run, and what the optimizer sees.
+        let known = sees_segments.then(|| objective.free_segments(x, &mut free));
+        let is_certified = || known.unwrap_or_else(|| objective.is_certified(x));
+        let is_feasible = || if exact_profile { is_certified() } else { objective.is_feasible(x) };
+        let feasible = until != Until::Certified && is_feasible();
         let certified = match until {
             Until::Feasible => feasible && exact_profile,
-            Until::Certified => objective.is_certified(x),
+            Until::Certified => is_certified(),
             // What the samples refuse, the exact check refuses too.
-            Until::Spent => feasible && (exact_profile || objective.is_certified(x)),
+            Until::Spent => feasible && (exact_profile || is_certified()),
         };
         let solved = if until == Until::Feasible { feasible } else { certified };
         let ends = solved && until != Until::Spent || index == steps;
@@ -96,7 +102,8 @@ pub fn run(
         if watch(&seen).is_break() || ends {
             break;
         }
-        optimizer.step(x, cost.unwrap_or_default(), &gradient, objective);
+        let cost = cost.unwrap_or_default();
+        optimizer.step(x, Known { cost, gradient: &gradient, free: &free }, objective);
     }
     run
 }

@@ -13,19 +13,15 @@
 //!   then pulls with 2 λ h² / ε = b P, however long the path is.
 //! - Adam's step is a part of ε.
 
-use std::sync::Arc;
-
 use crate::error::InvalidInput;
 use crate::objective::Objective;
 use crate::optimizer::{Method, Optimizer};
 use crate::plan::Watch;
 use crate::plan::run::{Iteration, Run, Until, run};
-use crate::plane::geometry::distance;
 use crate::profile::{Averaging, MAX_WAYPOINTS};
 use crate::rng::{Purpose, stream};
-use crate::scene::Scene;
-use crate::task::Task;
-use crate::trajectory::Trajectory;
+use crate::scene::Query;
+use crate::trajectory::{Trajectory, distance};
 
 /// The share b of length in the balance with obstacles.
 const LENGTH_SHARE: f64 = 0.3;
@@ -51,15 +47,14 @@ pub struct Smooth {
     pub steps: usize,
 }
 
-/// Smooths a certified path that answers `task` in its scene, with at most `steps` steps (and
+/// Smooths a certified path that answers `query`, with at most `steps` steps (and
 /// [`MAX_STEPS`]) for each ε; nothing where no iterate is certified that is at most `longest` times as
 /// long as the path. `watch` sees the iterates as those of start number `start`.
 ///
 /// # Errors
 /// If the path has more corners than a trajectory may have waypoints.
 pub fn smooth(
-    scene: &Arc<Scene>,
-    task: &Task,
+    query: &Query,
     path: &Trajectory,
     longest: f64,
     steps: usize,
@@ -67,7 +62,7 @@ pub fn smooth(
     watch: Watch<'_>,
 ) -> Result<Option<Smooth>, InvalidInput> {
     let length = path.length();
-    let widest = scene.typical_clearance().min(scene.profile().epsilon);
+    let widest = query.scene().typical_clearance().min(query.scene().profile().epsilon);
     if !(widest > 0.0 && length > 0.0) {
         return Ok(None);
     }
@@ -75,10 +70,10 @@ pub fn smooth(
     let mut broken_off = false;
     for attempt in 0..ATTEMPTS {
         let epsilon = widest * 0.5f64.powi(attempt);
-        let (mut objective, mut x) = begin(scene, task, path, epsilon)?;
+        let (mut objective, mut x) = begin(query, path, epsilon)?;
         let method = Method::Adam { step: (STEP * epsilon) as f32 };
         let rng = stream(0, Purpose::Planner, 0, 0);
-        let mut optimizer = Optimizer::new(&method, task, &objective, rng)?;
+        let mut optimizer = Optimizer::new(&method, &objective, rng)?;
         let steps = steps.min(MAX_STEPS);
         let Run { steps, best, .. } =
             run(&mut objective, &mut optimizer, &mut x, steps, Until::Spent, |iteration| {
@@ -100,13 +95,13 @@ pub fn smooth(
 
 /// The objective for this ε and the first waypoints.
 fn begin(
-    scene: &Arc<Scene>,
-    task: &Task,
+    query: &Query,
     path: &Trajectory,
     epsilon: f64,
 ) -> Result<(Objective, Vec<f32>), InvalidInput> {
-    let corners = path.points().len().saturating_sub(2);
-    let length = path.length() / scene.frame().scale;
+    let scene = query.scene();
+    let corners = path.len().saturating_sub(2);
+    let length = scene.normalised_length(path);
     let even = (WAYPOINTS_PER_EPSILON * length / epsilon).ceil().min(MAX_WAYPOINTS as f64);
     let n = (even as usize).clamp(WAYPOINTS.0, WAYPOINTS.1).max(WAYPOINTS_PER_CORNER * corners);
     let h = length / (n + 1) as f64;
@@ -116,62 +111,65 @@ fn begin(
     };
     let push = averages * scene.profile().obstacle_gradient_factor / n as f64;
     let lambda = LENGTH_SHARE * push * epsilon / (2.0 * h * h);
-    let objective = Objective::new(task, scene.clone(), n)?.with_weights(epsilon, lambda);
-    let x = spread(path, n).flat_map(|p| scene.frame().to_normalised(p)).collect();
+    let objective = Objective::new(query, n)?.with_weights(epsilon, lambda);
+    let mut x = vec![0.0; objective.dim()];
+    scene.to_normalised(&spread(path, n), &mut x);
     Ok((objective, x))
 }
 
-/// `n` points along a path: its corners, and the others spread over its segments by length.
-fn spread(path: &Trajectory, n: usize) -> impl Iterator<Item = [f64; 2]> {
-    let segments: Vec<_> = path.segments().collect();
-    let length = path.length();
-    let spare = (n + 1).saturating_sub(segments.len());
+/// `n` configurations along a path, `[n x dof]`: its corners, and the others spread over its segments by length.
+fn spread(path: &Trajectory, n: usize) -> Vec<f64> {
+    let (dof, length) = (path.dof(), path.length());
+    let spare = (n + 1).saturating_sub(path.len().saturating_sub(1));
     let (mut passed, mut given) = (0.0, 0);
-    let mut points = Vec::with_capacity(n + 1);
-    for (from, to) in segments {
+    let mut points = Vec::with_capacity((n + 1) * dof);
+    for (from, to) in path.segments() {
         // Rounding what all segments so far deserve gives away all of the spare points.
         passed += distance(from, to);
         let due = (spare as f64 * (passed / length).min(1.0)).round() as usize;
         let parts = 1 + due - given;
         given = due;
-        points.extend((1..=parts).map(|part| {
+        for part in 1..=parts {
             let t = part as f64 / parts as f64;
-            [0, 1].map(|axis| from[axis] + t * (to[axis] - from[axis]))
-        }));
+            points.extend(from.iter().zip(to).map(|(from, to)| from + t * (to - from)));
+        }
     }
-    points.pop();
-    points.into_iter()
+    points.truncate(n * dof);
+    points
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
 
     use super::*;
+    use crate::plane::Robot;
     use crate::plane::geometry::Rect;
     use crate::plane::world::{Grid, Obstacle, World};
     use crate::profile::Profile;
-    use crate::robot::Robot;
+    use crate::scene::Task;
 
-    fn smoothed(task: &Task, profile: &Profile) -> (Trajectory, Option<Smooth>, Arc<Scene>) {
-        let scene = Arc::new(Scene::of(task, profile));
-        let route = scene.shortest_path().find(task.start, task.goal);
-        let crate::Route::Found { trajectory, .. } = route else { panic!("{route:?}") };
-        let smooth = smooth(&scene, task, &trajectory, 1.2, MAX_STEPS, 0, Watch::NONE).unwrap();
-        (trajectory, smooth, scene)
+    fn smoothed(task: &Task, profile: &Profile) -> (Trajectory, Option<Smooth>, Query) {
+        let query = Query::of(task, profile);
+        let route = query.scene().exact(query.start(), query.goal(), &|| true);
+        let Some(crate::Route::Found { trajectory, .. }) = route else { panic!("{route:?}") };
+        let smooth = smooth(&query, &trajectory, 1.2, MAX_STEPS, 0, Watch::NONE).unwrap();
+        (trajectory, smooth, query)
     }
 
     #[test]
     fn corners_are_kept_and_the_rest_is_even() {
         let path = Trajectory::from_points(&[[0.0, 0.0], [4.0, 0.0], [4.0, 0.1], [4.0, 6.0]]);
         for n in [2, 3, 10, 37] {
-            let points: Vec<_> = spread(&path, n).collect();
+            let points = spread(&path, n);
+            let points = points.as_chunks::<2>().0;
             assert_eq!(points.len(), n);
-            for corner in &path.points()[1..3] {
+            for corner in &crate::plane::points(&path)[1..3] {
                 assert!(points.contains(corner), "{n}: {points:?}");
             }
         }
-        let points: Vec<_> = spread(&path, 22).collect();
-        let gap = points.windows(2).map(|w| distance(w[0], w[1])).fold(0.0, f64::max);
+        let points = Trajectory::new(2, spread(&path, 22));
+        let gap = points.segments().map(|(a, b)| distance(a, b)).fold(0.0, f64::max);
         assert!(gap < 0.6, "{points:?}");
     }
 
@@ -197,14 +195,15 @@ mod tests {
                 [(0.0, Profile::DEFAULT), (0.7, Profile::DEFAULT), (0.0, Profile::PAPER)]
             {
                 let robot = Robot::disc(radius).unwrap();
-                let task = Task::new("", world.clone(), robot, [2.0, 2.0], [18.0, 28.0]).unwrap();
-                let (path, smooth, scene) = smoothed(&task, &profile);
+                let task =
+                    Task::in_plane("", world.clone(), robot, [2.0, 2.0], [18.0, 28.0]).unwrap();
+                let (path, smooth, query) = smoothed(&task, &profile);
                 let smooth = smooth.unwrap().trajectory;
                 let label = format!("{radius} {}", profile.name);
-                assert_eq!(scene.certifier().certify(&task, &smooth), Ok(()), "{label}");
+                assert!(query.certify(smooth.clone()).is_ok(), "{label}");
                 assert!(smooth.length() < 1.15 * path.length(), "{label} {}", smooth.length());
-                let clearance = scene.certifier().clearance(&smooth);
-                assert!(scene.certifier().clearance(&path) < 1e-3, "{label}");
+                let clearance = query.scene().clearance(&smooth);
+                assert!(query.scene().clearance(&path) < 1e-3, "{label}");
                 assert!(clearance > 2e-3, "{label} {clearance}");
             }
         }
@@ -216,10 +215,10 @@ mod tests {
         let boxes = [[[0.0, 30.0], [31.9, 34.0]], [[32.1, 30.0], [64.0, 34.0]]];
         let boxes = boxes.map(|[min, max]| Obstacle::Rect(Rect::new(min, max).unwrap()));
         let world = Arc::new(World::new(bounds, boxes.to_vec(), None));
-        let task = Task::new("", world, Robot::Point, [5.0, 5.0], [50.0, 60.0]).unwrap();
-        let (path, smooth, scene) = smoothed(&task, &Profile::DEFAULT);
+        let task = Task::in_plane("", world, Robot::Point, [5.0, 5.0], [50.0, 60.0]).unwrap();
+        let (path, smooth, query) = smoothed(&task, &Profile::DEFAULT);
         let smooth = smooth.unwrap().trajectory;
-        assert_eq!(scene.certifier().certify(&task, &smooth), Ok(()));
+        assert!(query.certify(smooth.clone()).is_ok());
         assert!(smooth.length() < 1.2 * path.length());
     }
 }

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::error::InvalidInput;
 use crate::objective::Objective;
-use crate::rng::standard_normal;
+use crate::trajectory::waypoints::polyline;
 
 /// How random start trajectories are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -59,89 +59,51 @@ impl StartStrategy {
         Self::NAMES.iter().find(|(_, strategy)| strategy == self).map_or("", |&(name, _)| name)
     }
 
-    /// Writes a start trajectory for `objective` to `x` (`[N x 2]`, normalised units).
+    /// Writes a start trajectory for `objective` to `x` (`[N x dof]`, normalised units).
     pub fn draw(&self, objective: &Objective, rng: &mut ChaCha8Rng, x: &mut [f32]) {
-        let field = NormalisedField::new(objective.scene().field_size());
-        let points = x.as_chunks_mut::<2>().0;
+        let room = Room(objective.scene().normalised_limits());
+        let (dof, start, goal) = (objective.dof(), objective.start(), objective.goal());
         match self {
             Self::Line => objective.straight_line(x),
             Self::ViaPoint => {
-                let via = field.draw(rng);
-                polyline(&[objective.start(), via, objective.goal()], points);
+                let mut corners = [start, start, goal].concat();
+                room.draw(rng, &mut corners[dof..2 * dof]);
+                polyline(dof, &corners, x);
             }
-            Self::Random => points.fill_with(|| field.draw(rng)),
+            Self::Random => x.chunks_exact_mut(dof).for_each(|p| room.draw(rng, p)),
             Self::Sorted => {
-                points.fill_with(|| field.draw(rng));
-                let (start, goal) = (objective.start(), objective.goal());
-                let along =
-                    |p: &[f32; 2]| p[0] * (goal[0] - start[0]) + p[1] * (goal[1] - start[1]);
+                let mut drawn = x.to_vec();
+                drawn.chunks_exact_mut(dof).for_each(|p| room.draw(rng, p));
+                let along = |p: &&[f32]| -> f32 {
+                    let ways = goal.iter().zip(start).map(|(goal, start)| goal - start);
+                    p.iter().zip(ways).map(|(p, way)| p * way).sum()
+                };
+                let mut points: Vec<&[f32]> = drawn.chunks_exact(dof).collect();
                 points.sort_by(|p, q| along(p).total_cmp(&along(q)));
+                x.chunks_exact_mut(dof).zip(points).for_each(|(x, p)| x.copy_from_slice(p));
             }
             Self::Paper => {
-                points.fill_with(|| field.draw(rng));
-                for axis in 0..2 {
-                    let mut values: Vec<f32> = points.iter().map(|p| p[axis]).collect();
+                x.chunks_exact_mut(dof).for_each(|p| room.draw(rng, p));
+                for k in 0..dof {
+                    let mut values: Vec<f32> = x.iter().skip(k).step_by(dof).copied().collect();
                     values.sort_by(f32::total_cmp);
-                    points.iter_mut().zip(values).for_each(|(p, value)| p[axis] = value);
+                    x.iter_mut().skip(k).step_by(dof).zip(values).for_each(|(x, v)| *x = v);
                 }
             }
         }
     }
 }
 
-/// Adds smooth noise to the waypoints `x [N x 2]`: sine modes 1 to 4 along the trajectory, mode k with standard
-/// deviation `size` / k, in normalised units.
-pub fn bend(x: &mut [f32], size: f32, rng: &mut ChaCha8Rng) {
-    let points = x.as_chunks_mut::<2>().0;
-    let segments = (points.len() + 1) as f32;
-    for mode in 1..=4 {
-        let noise = standard_normal(rng).map(|z| size / mode as f32 * z);
-        for (i, p) in points.iter_mut().enumerate() {
-            let shape = (std::f32::consts::PI * mode as f32 * (i + 1) as f32 / segments).sin();
-            p[0] += shape * noise[0];
-            p[1] += shape * noise[1];
+/// Left of each coordinate's range on each side, in normalised units (the paper's one pixel).
+const MARGIN: f32 = 0.1;
+
+/// Where random waypoints lie: limits of each coordinate, in normalised units.
+struct Room<'a>(&'a [[f32; 2]]);
+
+impl Room<'_> {
+    fn draw(&self, rng: &mut ChaCha8Rng, p: &mut [f32]) {
+        for (p, &[least, most]) in p.iter_mut().zip(self.0) {
+            *p = (least + MARGIN) + rng.random::<f32>() * (most - least - 2.0 * MARGIN);
         }
-    }
-}
-
-/// The field less a margin of 0.1 normalised units (the paper's one pixel) on each side.
-struct NormalisedField {
-    min: [f32; 2],
-    size: [f32; 2],
-}
-
-impl NormalisedField {
-    fn new(size: [f32; 2]) -> Self {
-        let margin = 0.1;
-        let [width, height] = size;
-        Self { min: [margin; 2], size: [width - 2.0 * margin, height - 2.0 * margin] }
-    }
-
-    fn draw(&self, rng: &mut ChaCha8Rng) -> [f32; 2] {
-        let x = self.min[0] + rng.random::<f32>() * self.size[0];
-        let y = self.min[1] + rng.random::<f32>() * self.size[1];
-        [x, y]
-    }
-}
-
-/// Spreads `out` evenly by length along the polyline through `corners`, its ends left out.
-pub fn polyline(corners: &[[f32; 2]], out: &mut [[f32; 2]]) {
-    let length = |a: [f32; 2], b: [f32; 2]| (b[0] - a[0]).hypot(b[1] - a[1]);
-    let total: f32 = corners.windows(2).map(|w| length(w[0], w[1])).sum();
-    let segments = (out.len() + 1) as f32;
-    let mut corner = 0;
-    let mut passed = 0.0;
-    for (i, p) in out.iter_mut().enumerate() {
-        let target = total * (i + 1) as f32 / segments;
-        while corner + 2 < corners.len()
-            && passed + length(corners[corner], corners[corner + 1]) < target
-        {
-            passed += length(corners[corner], corners[corner + 1]);
-            corner += 1;
-        }
-        let (a, b) = (corners[corner], corners[corner + 1]);
-        let part = length(a, b);
-        let t = if part > 0.0 { ((target - passed) / part).clamp(0.0, 1.0) } else { 0.0 };
-        *p = [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
     }
 }

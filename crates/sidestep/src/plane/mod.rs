@@ -1,10 +1,31 @@
 //! The plane: worlds of shapes and grids, what is exact about them, and what a policy sees of them.
+//!
+//! It alone knows what a [`Point`](geometry::Point) is; everything above it sees configurations as flat buffers.
 
 mod bit_grid;
 pub mod certificate;
 pub mod distance;
+mod frame;
 pub mod geometry;
-pub(crate) mod sampled_check;
+mod robot;
+mod sampled_check;
+mod scene;
 pub mod shortest_path;
+pub mod surroundings;
 pub mod view;
 pub mod world;
+
+pub use frame::Frame;
+pub use robot::Robot;
+pub use scene::{MOST_SHAPES_OF_A_FIELD, PlaneScene, Subject};
+
+use crate::trajectory::Trajectory;
+use geometry::Point;
+
+/// The points of a trajectory in the plane; none of one that is not.
+pub fn points(trajectory: &Trajectory) -> &[Point] {
+    match trajectory.dof() {
+        2 => trajectory.values().as_chunks::<2>().0,
+        _ => &[],
+    }
+}

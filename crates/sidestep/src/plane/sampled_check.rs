@@ -4,10 +4,10 @@
 //! can miss a corner that is cut between two samples; the exact one is [`crate::plane::certificate`].
 
 use crate::kernels::{Isa, dispatch};
+use crate::plane::Robot;
+use crate::plane::frame::Frame;
 use crate::plane::geometry::Point;
 use crate::plane::world::{Obstacle, World};
-use crate::profile::Frame;
-use crate::robot::Robot;
 
 /// How deep a point must lie in an obstacle to collide, in normalised units: points on a side are
 /// legal, and f32 rounding must not decide about them.

@@ -18,9 +18,11 @@ use serde::{Deserialize, Serialize};
 use crate::error::InvalidInput;
 use crate::network::{Cnn, Mlp, Network, Part, WaypointNet, WaypointShape};
 use crate::plane::view::ViewParts;
-use crate::policy::observation::{ObservationPart, image_place, observation_len};
+use crate::policy::observation::{ObservationPart, architecture_for, image_place, observation_len};
 use crate::policy::tensors::{Reader, Tensor};
 use crate::profile::{MAX_WAYPOINTS, Profile};
+
+pub use crate::trajectory::ActionRule;
 
 /// The version of the policy file that this program writes and reads.
 pub const FORMAT: &str = "sidestep.policy/1";
@@ -31,49 +33,6 @@ const MLP: &str = "mlp";
 const CNN: &str = "cnn";
 /// One network for every waypoint.
 const WAYPOINT: &str = "waypoint";
-
-/// From a network's output to an update of the trajectory.
-///
-/// ```text
-/// x <- keep_inside(x + clamp(scale * output, -limit, limit))
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ActionRule {
-    /// Normalised units per unit of output; the paper's is 1.
-    pub scale: f32,
-    /// Largest update of a coordinate, in normalised units; the paper's is 1 (10 px).
-    pub limit: f32,
-    /// Whether waypoints are clipped to the field, as in the paper's code.
-    pub keep_inside: bool,
-}
-
-impl ActionRule {
-    /// The paper's rule.
-    pub const PAPER: Self = Self { scale: 1.0, limit: 1.0, keep_inside: true };
-
-    /// Moves the waypoints `x [N x 2]` by the network output `action [N x 2]` in a field `[0, width] x [0, height]`,
-    /// all in normalised units. Training and planning both call this. A NaN in `action` counts as 0.
-    pub fn apply(&self, action: &[f32], field: [f32; 2], x: &mut [f32]) {
-        for (index, (x, &output)) in x.iter_mut().zip(action).enumerate() {
-            let update = (self.scale * output).clamp(-self.limit, self.limit);
-            *x += if update.is_nan() { 0.0 } else { update };
-            if self.keep_inside {
-                *x = x.max(0.0).min(field[index % 2]);
-            }
-        }
-    }
-
-    fn check(&self) -> Result<(), InvalidInput> {
-        for (name, value) in [("scale", self.scale), ("limit", self.limit)] {
-            if !(value > 0.0 && value <= 1e6) {
-                let field = format!("policy.action.{name}");
-                return Err(InvalidInput::new(field, value, "a number above 0 and up to 1e6"));
-            }
-        }
-        Ok(())
-    }
-}
 
 /// What a policy is: everything but its numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -362,7 +321,7 @@ fn check_whole(card: &PolicyCard) -> Result<Vec<ObservationPart>, InvalidInput> 
         card.observation.iter().map(|name| ObservationPart::named(name)).collect();
     let parts = named.map_err(|error| error.inside("policy"))?;
     let length = observation_len(&parts, card.waypoints).map_err(|error| error.inside("policy"))?;
-    let expected = Network::architecture_for(&parts);
+    let expected = architecture_for(&parts);
     if card.architecture != expected {
         let observation = card.observation.join(" + ");
         let allowed = format!("{expected}, which the observation {observation} takes");

@@ -43,7 +43,7 @@ fn changed(change: impl FnOnce(&mut serde_json::Value)) -> Vec<u8> {
 
 fn image_policy() -> Policy {
     let parts = [ObservationPart::Ends, ObservationPart::Image, ObservationPart::Gradient];
-    let sizes = Network::sizes_for(&parts, 10, &[3, 4], 20);
+    let sizes = crate::policy::observation::sizes_for(&parts, 10, &[3, 4], 20);
     let count = Cnn::parameter_count(&sizes, 4).unwrap();
     let parameters = (0..count).map(|i| (i as f32 * 0.7).sin()).collect();
     let network = Cnn::new(&sizes, 4, parameters).unwrap();
@@ -172,10 +172,10 @@ fn waypoints_that_do_not_fit_are_named() {
 fn the_action_rule_clips_updates_and_positions() {
     let rule = ActionRule { scale: 2.0, limit: 1.0, keep_inside: true };
     let mut x = [1.0, 6.0, 0.5, 3.0, 2.0, 2.0];
-    rule.apply(&[0.25, 0.3, -9.0, 0.1, f32::NAN, f32::INFINITY], [6.4, 6.4], &mut x);
+    rule.apply(&[0.25, 0.3, -9.0, 0.1, f32::NAN, f32::INFINITY], &[[0.0, 6.4]; 2], &mut x);
     assert_eq!(x, [1.5, 6.4, 0.0, 3.2, 2.0, 3.0]);
     let mut free = [6.0, 6.0];
-    ActionRule { keep_inside: false, ..rule }.apply(&[1.0, 0.0], [6.4, 6.4], &mut free);
+    ActionRule { keep_inside: false, ..rule }.apply(&[1.0, 0.0], &[[0.0, 6.4]; 2], &mut free);
     assert_eq!(free, [7.0, 6.0]);
 }
 

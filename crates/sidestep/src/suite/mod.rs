@@ -14,14 +14,13 @@ use rayon::prelude::*;
 
 use crate::error::InvalidInput;
 use crate::objective::Objective;
+use crate::plane::Robot;
 use crate::plane::certificate::Certifier;
 use crate::plane::geometry::{Point, Rect};
 use crate::plane::world::{Obstacle, World};
 use crate::profile::Profile;
 use crate::rng::{Purpose, stream};
-use crate::robot::Robot;
-use crate::scene::Scene;
-use crate::task::Task;
+use crate::scene::{Query, Setting, Task};
 
 /// A named distribution of tasks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -152,8 +151,8 @@ struct Outcome {
 }
 
 fn gradient_descent_outcome(task: &Task, profile: &Profile) -> Option<Outcome> {
-    let scene = Arc::new(Scene::new(&task.world, task.robot, profile));
-    let mut objective = Objective::new(task, scene, profile.waypoints).ok()?;
+    let query = Query::of(task, profile);
+    let mut objective = Objective::new(&query, profile.waypoints).ok()?;
     let mut x = vec![0.0; objective.dim()];
     let mut gradient = vec![0.0; objective.dim()];
     objective.straight_line(&mut x);
@@ -189,13 +188,10 @@ pub fn candidate(seed: u64, index: u64) -> Task {
     };
     let bounds = Rect { min: [0.0; 2], max: [FIELD; 2] };
     let obstacles = rects.into_iter().map(Obstacle::Rect).collect();
-    Task {
-        name: format!("seed {seed}, candidate {index}"),
-        world: Arc::new(World::new(bounds, obstacles, None)),
-        robot: Robot::Point,
-        start,
-        goal,
-    }
+    let world = Arc::new(World::new(bounds, obstacles, None));
+    let setting = Setting::Plane { world, robot: Robot::Point };
+    let name = format!("seed {seed}, candidate {index}");
+    Task { name, setting, start: start.into(), goal: goal.into() }
 }
 
 /// Task `index` of `seed` in [`Suite::Varied`].
@@ -226,7 +222,8 @@ pub fn varied(seed: u64, index: u64) -> Task {
             let (start, goal): (Point, Point) = (point(), point());
             if certifier.point_is_free(start) && certifier.point_is_free(goal) {
                 let name = format!("varied, seed {seed}, task {index}");
-                return Task { name, world: Arc::new(world), robot, start, goal };
+                let setting = Setting::Plane { world: Arc::new(world), robot };
+                return Task { name, setting, start: start.into(), goal: goal.into() };
             }
         }
     }
@@ -240,8 +237,9 @@ mod tests {
     fn value_stability() {
         let task = candidate(2, 0);
         let first = Rect { min: [2.0, 55.0], max: [21.0, 66.0] };
-        assert_eq!(task.world.obstacles()[0], Obstacle::Rect(first));
-        assert_eq!((task.start, task.goal), ([4.0, 18.0], [12.0, 24.0]));
+        let plane = task.plane().unwrap();
+        assert_eq!(plane.world.obstacles()[0], Obstacle::Rect(first));
+        assert_eq!((plane.start, plane.goal), ([4.0, 18.0], [12.0, 24.0]));
     }
 
     #[test]

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use rand::RngExt;
 
 use crate::error::InvalidInput;
+use crate::plane::Robot;
 use crate::plane::certificate::Certifier;
 use crate::plane::geometry::Point;
 use crate::plane::world::World;
 use crate::rng::{Purpose, stream};
-use crate::robot::Robot;
-use crate::task::Task;
+use crate::scene::Task;
 
 /// Draws after which a world counts as full; finds a free part of a thousandth almost surely.
 const MOST_DRAWS: usize = 20_000;
@@ -44,7 +44,7 @@ pub fn random_queries(
             let allowed = "a radius that leaves the robot a place to stand";
             return Err(InvalidInput::new("robot.radius", robot.radius(), allowed));
         };
-        Task::new(format!("{name}/{index}"), world.clone(), robot, start, goal)
+        Task::in_plane(format!("{name}/{index}"), world.clone(), robot, start, goal)
     };
     (0..count).map(query).collect()
 }
@@ -64,7 +64,11 @@ mod tests {
         let tasks = random_queries("wall", &world, robot, 40, 3).unwrap();
         let certifier = Certifier::new(&world, robot);
         for task in &tasks {
-            assert!(certifier.point_is_free(task.start) && certifier.point_is_free(task.goal));
+            assert!(
+                [&task.start, &task.goal]
+                    .iter()
+                    .all(|end| certifier.point_is_free([end[0], end[1]]))
+            );
         }
         assert!(tasks.iter().any(|task| (task.start[0] < 4.0) != (task.goal[0] < 4.0)));
         assert_eq!(tasks[..7], random_queries("wall", &world, robot, 7, 3).unwrap());

@@ -9,13 +9,13 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use sidestep::network::{WaypointNet, WaypointScratch};
 use sidestep::objective::Objective;
-use sidestep::plan::starts::{StartStrategy, bend};
+use sidestep::plan::starts::StartStrategy;
 use sidestep::plane::view::{Look, TaskMap, ViewParts, WaypointView};
 use sidestep::policy::ActionRule;
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::scene::Scene;
-use std::sync::Arc;
+use sidestep::scene::Query;
+use sidestep::trajectory::waypoints::bend;
 
 use super::loss::{Lesson, LossScratch};
 use crate::routes::{Target, sparingly_grown};
@@ -76,6 +76,7 @@ pub(crate) struct Slot {
     scratch: WaypointScratch,
     loss_scratch: LossScratch,
     before: Vec<f32>,
+    free: Vec<bool>,
     d_output: Vec<[f32; 2]>,
 }
 
@@ -120,6 +121,7 @@ impl Slot {
             scratch: WaypointScratch::default(),
             loss_scratch: LossScratch::default(),
             before: Vec::new(),
+            free: vec![false; waypoints + 1],
             d_output: Vec::new(),
         }
     }
@@ -136,7 +138,7 @@ impl Slot {
     }
 
     fn step(&mut self, net: &WaypointNet, recipe: &Recipe, part: &mut Part) {
-        let Self { case, draws, scratch, loss_scratch, before, d_output } = self;
+        let Self { case, draws, scratch, loss_scratch, before, free, d_output } = self;
         let Part { gradient, sums } = part;
         let (waypoints, stride) = (draws.waypoints, net.input_stride());
         let input = scratch.input(MEMBERS * waypoints, stride);
@@ -144,14 +146,15 @@ impl Slot {
         for (member, rows) in
             case.members.iter_mut().zip(input.chunks_exact_mut(waypoints * stride))
         {
-            let map = case.map.as_ref();
-            member.view.encode(&case.objective, &member.x, map, rows, stride);
-            if member.view.is_free() {
+            if case.objective.free_segments(&member.x, free) {
                 member.solved = true;
                 // From the straight line it would only walk the same way again.
                 let kind = if member.kind == Kind::Straight { Kind::Bent } else { member.kind };
                 begin(kind, &case.objective, &mut draws.rng, member);
-                member.view.encode(&case.objective, &member.x, map, rows, stride);
+                case.objective.free_segments(&member.x, free);
+            }
+            if let Some(subject) = case.objective.plane() {
+                member.view.encode(subject, &member.x, free, case.map.as_ref(), rows, stride);
             }
             before.extend_from_slice(&member.x);
         }
@@ -174,7 +177,7 @@ impl Slot {
             sums.loss += lesson.loss(from, &member.x, outputs, loss_scratch, d_output);
             sums.steps += 1.0;
             if draws.rng.random::<f32>() < recipe.imitation.kick_probability {
-                bend(&mut member.x, recipe.imitation.kick, &mut draws.rng);
+                bend(2, &mut member.x, recipe.imitation.kick, &mut draws.rng);
             }
         }
         // Long trajectories would outweigh the others.
@@ -232,18 +235,19 @@ impl Draws {
             // What a number stands for must not depend on when it is drawn.
             let mut own = stream(recipe.seed, Purpose::Imitation, number, 1 << 40);
             let task = recipe.tasks.draw(number, &mut own);
-            let scene = Arc::new(Scene::of(&task, &Profile::DEFAULT));
-            let is_direct = scene.certifier().segment_is_free(task.start, task.goal);
+            let query = Query::of(&task, &Profile::DEFAULT);
+            let is_direct = query.scene().motion_is_free(query.start(), query.goal());
             if is_direct && own.random::<f32>() >= recipe.tasks.direct {
                 continue;
             }
-            let Ok(objective) = Objective::new(&task, scene, self.waypoints) else { continue };
-            let targets = sparingly_grown::targets(&task, &objective, &mut own);
+            let Ok(objective) = Objective::new(&query, self.waypoints) else { continue };
+            let (Ok(plane), Some(subject)) = (task.plane(), objective.plane()) else { continue };
+            let targets = sparingly_grown::targets(plane, &objective, &mut own);
             if targets.is_empty() {
                 continue;
             }
             let members = KINDS.map(|kind| {
-                let view = WaypointView::new(&recipe.view.probes, &objective, Look::default());
+                let view = WaypointView::new(&recipe.view.probes, subject, Look::default());
                 let x = vec![0.0; objective.dim()];
                 let mut member = Member { kind, x, view, solved: false };
                 begin(kind, &objective, &mut self.rng, &mut member);
@@ -252,7 +256,7 @@ impl Draws {
             let long = self.rng.random::<f32>() < settings.long_share;
             let left = if long { settings.long_life } else { settings.life };
             let map = recipe.view.map.as_ref().map(|shape| {
-                let mut map = TaskMap::new(shape, &objective);
+                let mut map = TaskMap::new(shape, subject);
                 net.begin_map(map.scratch());
                 net.read_map(map.scratch());
                 map
@@ -272,7 +276,7 @@ fn begin(kind: Kind, objective: &Objective, rng: &mut ChaCha8Rng, member: &mut M
         Kind::Bent => {
             objective.straight_line(&mut member.x);
             let size = rng.random_range(0.2..1.5);
-            bend(&mut member.x, size, rng);
+            bend(2, &mut member.x, size, rng);
         }
         Kind::Via => StartStrategy::ViaPoint.draw(objective, rng, &mut member.x),
     }

@@ -10,6 +10,7 @@
 //! The hinge has no gradient deeper than 2 px, where d says little about the way out.
 
 use sidestep::objective::Objective;
+use sidestep::plane::Subject;
 use sidestep::plane::distance::Sampler;
 
 use crate::routes::{Target, nearest};
@@ -83,8 +84,8 @@ impl Lesson<'_> {
     /// field axes.
     fn hinge(&self, points: &[[f32; 2]], scratch: &mut LossScratch) -> f64 {
         let LossScratch { sampler, pull } = scratch;
-        let (objective, weight) = (self.objective, self.hinge_weight);
-        let (start, goal) = (objective.start(), objective.goal());
+        let Some(Subject { scene, start, goal, .. }) = self.objective.plane() else { return 0.0 };
+        let weight = self.hinge_weight;
         let mut from = start;
         let per_segment = HINGE_POINTS + 1;
         sampler.clear();
@@ -96,9 +97,7 @@ impl Lesson<'_> {
             from = to;
         }
         let mut total = 0.0;
-        for (index, (distance, gradient)) in
-            sampler.sample(objective.scene().exact_field()).enumerate()
-        {
+        for (index, (distance, gradient)) in sampler.sample(scene.exact_field()).enumerate() {
             let (segment, k) = (index / per_segment, index % per_segment + 1);
             let distance = distance / PIXEL;
             // The goal itself cannot move.
@@ -133,9 +132,8 @@ mod tests {
     use sidestep::policy::ActionRule;
     use sidestep::profile::Profile;
     use sidestep::rng::standard_normal;
-    use sidestep::scene::Scene;
+    use sidestep::scene::Query;
     use sidestep::suite::candidate;
-    use std::sync::Arc;
 
     /// Slopes of the loss with respect to the outputs, one coordinate at a time, against differences of the loss.
     #[test]
@@ -145,15 +143,16 @@ mod tests {
         let (mut close, mut all) = (0, 0);
         for index in 0..12 {
             let task = candidate(1000, index);
-            let scene = Arc::new(Scene::of(&task, &Profile::DEFAULT));
-            let objective = Objective::new(&task, scene, 10).unwrap();
+            let objective = Objective::new(&Query::of(&task, &Profile::DEFAULT), 10).unwrap();
+            let plane = task.plane().unwrap();
             let mut rng = ChaCha8Rng::seed_from_u64(index);
-            let targets = sparingly_grown::targets(&task, &objective, &mut rng);
+            let targets = sparingly_grown::targets(plane, &objective, &mut rng);
             let mut before = vec![0.0; 20];
             objective.straight_line(&mut before);
             let outputs: Vec<[f32; 2]> = (0..10).map(|_| standard_normal(&mut rng)).collect();
             let value = |outputs: &[[f32; 2]], slopes: &mut Vec<[f32; 2]>| {
-                let mut view = WaypointView::new(&probes, &objective, Look::default());
+                let mut view =
+                    WaypointView::new(&probes, objective.plane().unwrap(), Look::default());
                 let mut after = before.clone();
                 view.apply(&rule, |i| outputs[i], &mut after);
                 let along = view.along();

@@ -4,12 +4,12 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use sidestep::network::{WaypointNet, WaypointScratch};
 use sidestep::objective::Objective;
-use sidestep::plan::starts::{StartStrategy, bend};
+use sidestep::plan::starts::StartStrategy;
 use sidestep::plane::view::{Look, TaskMap, WaypointView};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::scene::Scene;
-use std::sync::Arc;
+use sidestep::scene::Query;
+use sidestep::trajectory::waypoints::bend;
 
 use super::imitation::{Recipe, Sums};
 use super::loss::PIXEL;
@@ -104,16 +104,17 @@ impl Walker<'_> {
         let Self { net, recipe, settings } = *self;
         let mut rng = stream(recipe.seed, Purpose::Environment, number, 0);
         let task = recipe.tasks.draw(number, &mut rng);
-        let scene = Arc::new(Scene::of(&task, &Profile::DEFAULT));
-        if scene.certifier().segment_is_free(task.start, task.goal) {
+        let query = Query::of(&task, &Profile::DEFAULT);
+        if query.scene().motion_is_free(query.start(), query.goal()) {
             return None;
         }
         let waypoints = recipe.tasks.draw_waypoints(&mut rng);
-        let objective = Objective::new(&task, scene.clone(), waypoints).ok()?;
+        let objective = Objective::new(&query, waypoints).ok()?;
+        let subject = objective.plane()?;
         let x = self.start(&objective, &mut rng);
-        let view = WaypointView::new(&recipe.view.probes, &objective, Look::default());
+        let view = WaypointView::new(&recipe.view.probes, subject, Look::default());
         let map = recipe.view.map.as_ref().map(|shape| {
-            let mut map = TaskMap::new(shape, &objective);
+            let mut map = TaskMap::new(shape, subject);
             net.begin_map(map.scratch());
             net.read_map(map.scratch());
             map
@@ -122,7 +123,8 @@ impl Walker<'_> {
         if !keeps && self.solves(&objective, view.clone(), map.as_ref(), x.clone(), scratch) {
             return None;
         }
-        let shortest = scene.shortest_path().find(task.start, task.goal).length()?;
+        let route = query.scene().exact(query.start(), query.goal(), &|| true)?;
+        let shortest = route.length()?;
         let walk = Walk {
             x,
             view,
@@ -159,7 +161,7 @@ impl Walker<'_> {
         }
         let mut targets = Vec::new();
         if settings.repair > 0.0 && walks.iter().all(|walk| walk.solved.is_none()) {
-            targets = sparingly_grown::targets(&task, &objective, &mut rng);
+            targets = sparingly_grown::targets(task.plane().ok()?, &objective, &mut rng);
             if !targets.is_empty() {
                 walks.iter_mut().take(REPAIRED).for_each(|walk| walk.worth = Worth::Repair);
             }
@@ -175,7 +177,7 @@ impl Walker<'_> {
             if rng.random::<bool>() {
                 StartStrategy::ViaPoint.draw(objective, rng, &mut x);
             } else {
-                bend(&mut x, 1.0, rng);
+                bend(2, &mut x, 1.0, rng);
             }
         }
         x
@@ -194,6 +196,8 @@ impl Walker<'_> {
         let Self { net, recipe, settings } = *self;
         let (waypoints, stride) = (objective.waypoints(), net.input_stride());
         let (dim, sigma) = (waypoints * stride, self.sigma());
+        let Some(subject) = objective.plane() else { return };
+        let mut free = vec![false; waypoints + 1];
         for step in 0..=settings.steps {
             let mut active = Vec::with_capacity(walks.len());
             let input = scratch.input(walks.len() * waypoints, stride);
@@ -201,11 +205,11 @@ impl Walker<'_> {
                 if walk.solved.is_some() {
                     continue;
                 }
-                let block = &mut input[active.len() * dim..][..dim];
-                walk.view.encode(objective, &walk.x, map, block, stride);
-                if walk.view.is_free() {
+                if objective.free_segments(&walk.x, &mut free) {
                     walk.solved = Some(step);
                 } else if step < settings.steps {
+                    let block = &mut input[active.len() * dim..][..dim];
+                    walk.view.encode(subject, &walk.x, &free, map, block, stride);
                     walk.seen.extend_from_slice(block);
                     walk.places.extend_from_slice(&walk.x);
                     active.push(index);
@@ -244,12 +248,15 @@ impl Walker<'_> {
         scratch: &mut WaypointScratch,
     ) -> bool {
         let (waypoints, stride) = (objective.waypoints(), self.net.input_stride());
+        let Some(subject) = objective.plane() else { return false };
+        let mut free = vec![false; waypoints + 1];
         for step in 0..=self.settings.steps {
-            view.encode(objective, &x, map, scratch.input(waypoints, stride), stride);
-            if view.is_free() {
+            if objective.free_segments(&x, &mut free) {
                 return true;
             }
             if step < self.settings.steps {
+                let rows = scratch.input(waypoints, stride);
+                view.encode(subject, &x, &free, map, rows, stride);
                 self.net.forward(scratch, waypoints);
                 view.apply(&self.recipe.rule, |i| scratch.output(i), &mut x);
             }

@@ -16,10 +16,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::InvalidInput;
-use crate::plane::certificate::Certifier;
-use crate::plane::geometry::{Point, distance, lerp};
-use crate::task::Task;
-use crate::trajectory::Trajectory;
+use crate::scene::{Query, Scene};
+use crate::trajectory::{Trajectory, distance};
 use tree::Tree;
 
 /// Parameters of the planner.
@@ -27,7 +25,7 @@ use tree::Tree;
 pub struct RrtConnect {
     /// Samples drawn before giving up; at least 1.
     pub max_samples: usize,
-    /// Longest motion towards a sample, as a part of the larger side of the bounds; in (0, 1].
+    /// Longest motion towards a sample, as a part of the largest range of a coordinate; in (0, 1].
     pub step: f64,
     /// Random short cuts tried on the path; 0 leaves it as it was found.
     pub shortcut_rounds: usize,
@@ -71,106 +69,112 @@ impl RrtConnect {
         Ok(())
     }
 
-    /// Plans a task whose world and robot the certifier was prepared for. Not finding a path proves
-    /// nothing.
-    pub fn plan(&self, task: &Task, certifier: &Certifier, rng: &mut ChaCha8Rng) -> RrtRun {
+    /// Answers a query. Not finding a path proves nothing.
+    pub fn plan(&self, query: &Query, rng: &mut ChaCha8Rng) -> RrtRun {
         let mut run = RrtRun::default();
-        let Some(mut points) = self.search(task.start, task.goal, certifier, rng, &mut run) else {
+        let Some(points) = self.search(query, rng, &mut run) else {
             return run;
         };
+        let mut path = Trajectory::new(query.scene().dof(), points);
         if self.shortcut_rounds > 0 {
-            run.checks += shortcut(&mut points, certifier, self.shortcut_rounds, rng);
+            let is_free = |from: &[f64], to: &[f64]| query.scene().motion_is_free(from, to);
+            run.checks += shortcut(&mut path, is_free, self.shortcut_rounds, rng);
         }
-        run.trajectory = Some(Trajectory::from_points(&points));
+        run.trajectory = Some(path);
         run
     }
 
-    /// Grows the trees; the points from start to goal once they meet.
-    fn search(
-        &self,
-        start: Point,
-        goal: Point,
-        certifier: &Certifier,
-        rng: &mut ChaCha8Rng,
-        run: &mut RrtRun,
-    ) -> Option<Vec<Point>> {
+    /// Grows the trees; the configurations `[.. x dof]` from start to goal once they meet.
+    fn search(&self, query: &Query, rng: &mut ChaCha8Rng, run: &mut RrtRun) -> Option<Vec<f64>> {
+        let (scene, start, goal) = (&**query.scene(), query.start(), query.goal());
         run.checks = 3;
-        if certifier.segment_is_free(start, goal) {
-            return Some(vec![start, goal]);
+        if scene.motion_is_free(start, goal) {
+            return Some([start, goal].concat());
         }
-        if !certifier.point_is_free(start) || !certifier.point_is_free(goal) {
+        if !scene.motion_is_free(start, start) || !scene.motion_is_free(goal, goal) {
             return None;
         }
-        let bounds = certifier.bounds();
-        let step = self.step * bounds.extent();
-        let mut trees = [Tree::new(start, bounds), Tree::new(goal, bounds)];
+        let limits = scene.limits();
+        let extent = limits.iter().map(|[least, most]| most - least).fold(0.0, f64::max);
+        let mut growth = Growth { scene, step: self.step * extent, to: vec![0.0; limits.len()] };
+        let mut trees = [Tree::new(start, limits), Tree::new(goal, limits)];
+        let mut sample = vec![0.0; limits.len()];
         while run.samples < self.max_samples {
             run.samples += 1;
-            let sample = [0, 1].map(|axis| {
+            for (value, [least, most]) in sample.iter_mut().zip(limits) {
                 let t: f64 = rng.random();
-                bounds.min[axis] + t * (bounds.max[axis] - bounds.min[axis])
-            });
+                *value = least + t * (most - least);
+            }
             let small = usize::from(trees[1].len() < trees[0].len());
-            let met = extend(&mut trees[small], sample, step, certifier, run).and_then(|new| {
-                let target = trees[small].point(new);
-                connect(&mut trees[1 - small], target, step, certifier, run)
-                    .map(|other| (new, other))
+            let [a, b] = &mut trees;
+            let (small_tree, large_tree) = if small == 0 { (a, b) } else { (b, a) };
+            let met = growth.extend(small_tree, &sample, run).and_then(|new| {
+                growth.connect(large_tree, small_tree.point(new), run).map(|other| (new, other))
             });
             run.nodes = trees[0].len() + trees[1].len();
             if let Some((new, other)) = met {
                 let (from_start, from_goal) = if small == 0 { (new, other) } else { (other, new) };
-                let mut points = trees[0].branch(from_start);
-                points.reverse();
-                points.extend(trees[1].branch(from_goal));
-                return Some(points);
+                let mut path: Vec<&[f64]> = trees[0].branch(from_start).collect();
+                path.reverse();
+                path.extend(trees[1].branch(from_goal));
+                return Some(path.concat());
             }
         }
         None
     }
 }
 
-/// One step from the nearest node towards `target`; the new node if the motion is free.
-fn extend(
-    tree: &mut Tree,
-    target: Point,
+/// How trees grow: by certified motions of at most a step.
+struct Growth<'a> {
+    scene: &'a Scene,
     step: f64,
-    certifier: &Certifier,
-    run: &mut RrtRun,
-) -> Option<usize> {
-    let near = tree.nearest(target);
-    let from = tree.point(near);
-    let length = distance(from, target);
-    let to = if length > step { lerp(from, target, step / length) } else { target };
-    run.checks += 1;
-    certifier.segment_is_free(from, to).then(|| tree.push(to, near))
+    /// Where the next motion ends, `[dof]`.
+    to: Vec<f64>,
 }
 
-/// Steps from the nearest node towards `target` until it is seen or the way is blocked; the node
-/// that sees it, if any.
-fn connect(
-    tree: &mut Tree,
-    target: Point,
-    step: f64,
-    certifier: &Certifier,
-    run: &mut RrtRun,
-) -> Option<usize> {
-    let mut node = tree.nearest(target);
-    loop {
-        let from = tree.point(node);
-        run.checks += 1;
-        if certifier.segment_is_free(from, target) {
-            return Some(node);
-        }
+impl Growth<'_> {
+    /// One step from the nearest node towards `target`; the new node if the motion is free.
+    fn extend(&mut self, tree: &mut Tree, target: &[f64], run: &mut RrtRun) -> Option<usize> {
+        let near = tree.nearest(target);
+        let from = tree.point(near);
         let length = distance(from, target);
-        if length <= step {
-            return None;
+        if length > self.step {
+            lerp(from, target, self.step / length, &mut self.to);
+        } else {
+            self.to.copy_from_slice(target);
         }
-        let to = lerp(from, target, step / length);
         run.checks += 1;
-        if !certifier.segment_is_free(from, to) {
-            return None;
+        self.scene.motion_is_free(from, &self.to).then(|| tree.push(&self.to, near))
+    }
+
+    /// Steps from the nearest node towards `target` until it is seen or the way is blocked; the node
+    /// that sees it, if any.
+    fn connect(&mut self, tree: &mut Tree, target: &[f64], run: &mut RrtRun) -> Option<usize> {
+        let mut node = tree.nearest(target);
+        loop {
+            let from = tree.point(node);
+            run.checks += 1;
+            if self.scene.motion_is_free(from, target) {
+                return Some(node);
+            }
+            let length = distance(from, target);
+            if length <= self.step {
+                return None;
+            }
+            lerp(from, target, self.step / length, &mut self.to);
+            run.checks += 1;
+            if !self.scene.motion_is_free(from, &self.to) {
+                return None;
+            }
+            node = tree.push(&self.to, node);
         }
-        node = tree.push(to, node);
+    }
+}
+
+/// The configuration at fraction `t` of the way from one to another, `[dof]`.
+fn lerp(from: &[f64], to: &[f64], t: f64, out: &mut [f64]) {
+    for ((out, from), to) in out.iter_mut().zip(from).zip(to) {
+        *out = from + t * (to - from);
     }
 }
 

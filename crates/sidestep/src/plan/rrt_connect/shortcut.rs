@@ -8,67 +8,82 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use crate::plane::certificate::Certifier;
-use crate::plane::geometry::{Point, distance, lerp};
+use super::lerp;
+use crate::trajectory::{Trajectory, distance};
 
-/// Shortens a certified path in place; it stays certified and keeps its ends.
+/// Shortens a certified path in place; it stays certified, as `is_free(from, to)` says of motions, and keeps its ends.
 ///
 /// `rounds` random short cuts are tried, with vertex removal before and after them. Returns the
 /// number of segments checked.
 pub fn shortcut(
-    points: &mut Vec<Point>,
-    certifier: &Certifier,
+    path: &mut Trajectory,
+    is_free: impl Fn(&[f64], &[f64]) -> bool,
     rounds: usize,
     rng: &mut ChaCha8Rng,
 ) -> usize {
-    let mut checks = remove_vertices(points, certifier);
+    let dof = path.dof();
+    let mut points = path.values().to_vec();
+    let mut checks = remove_vertices(dof, &mut points, &is_free);
+    // Two places on the path, one after the other.
+    let mut cut = vec![0.0; 2 * dof];
     for _ in 0..rounds {
-        if points.len() < 3 {
+        if points.len() < 3 * dof {
             break;
         }
-        let length: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
-        let mut at = [0, 1].map(|_| length * rng.random::<f64>());
-        at.sort_by(f64::total_cmp);
-        let [(i, p), (j, q)] = at.map(|along| place(points, along));
+        let at = |i: usize| &points[i * dof..][..dof];
+        let length: f64 = (0..points.len() / dof - 1).map(|i| distance(at(i), at(i + 1))).sum();
+        let mut along = [0, 1].map(|_| length * rng.random::<f64>());
+        along.sort_by(f64::total_cmp);
+        let (p, q) = cut.split_at_mut(dof);
+        let (i, j) = (place(dof, &points, along[0], p), place(dof, &points, along[1], q));
         if i < j {
             checks += 3;
             // The two pieces that are left of segments i and j are new segments to certify, since
             // rounding moves p and q off them by a hair.
-            let free = |a, b| certifier.segment_is_free(a, b);
-            if free(p, q) && free(points[i], p) && free(q, points[j + 1]) {
-                points.splice(i + 1..=j, [p, q]);
+            if is_free(p, q) && is_free(at(i), p) && is_free(q, at(j + 1)) {
+                points.splice((i + 1) * dof..(j + 1) * dof, cut.iter().copied());
             }
         }
     }
-    checks + remove_vertices(points, certifier)
+    checks += remove_vertices(dof, &mut points, &is_free);
+    *path = Trajectory::new(dof, points);
+    checks
 }
 
-/// The segment at a length along the path, and the point there.
-fn place(points: &[Point], mut along: f64) -> (usize, Point) {
-    let last = points.len() - 2;
+/// The segment at a length along the path `points [.. x dof]`; the configuration there is written to `out`.
+fn place(dof: usize, points: &[f64], mut along: f64, out: &mut [f64]) -> usize {
+    let at = |i: usize| &points[i * dof..][..dof];
+    let last = points.len() / dof - 2;
     for i in 0..last {
-        let length = distance(points[i], points[i + 1]);
+        let length = distance(at(i), at(i + 1));
         if along <= length && length > 0.0 {
-            return (i, lerp(points[i], points[i + 1], along / length));
+            lerp(at(i), at(i + 1), along / length, out);
+            return i;
         }
         along -= length;
     }
-    let length = distance(points[last], points[last + 1]);
+    let length = distance(at(last), at(last + 1));
     let t = if length > 0.0 { (along / length).clamp(0.0, 1.0) } else { 0.0 };
-    (last, lerp(points[last], points[last + 1], t))
+    lerp(at(last), at(last + 1), t, out);
+    last
 }
 
-/// From each point, goes straight on to the last one that it sees. Returns the number of checks.
-fn remove_vertices(points: &mut Vec<Point>, certifier: &Certifier) -> usize {
+/// From each configuration, goes straight on to the last one that it sees. Returns the number of checks.
+fn remove_vertices(
+    dof: usize,
+    points: &mut Vec<f64>,
+    is_free: &impl Fn(&[f64], &[f64]) -> bool,
+) -> usize {
     let mut checks = 0;
     let mut from = 0;
-    while from + 2 < points.len() {
+    while from + 2 < points.len() / dof {
+        let at = |i: usize| &points[i * dof..][..dof];
         let sees = |to: &usize| {
             checks += 1;
-            certifier.segment_is_free(points[from], points[*to])
+            is_free(at(from), at(*to))
         };
-        if let Some(to) = (from + 2..points.len()).rev().find(sees) {
-            points.drain(from + 1..to);
+        if let Some(to) = (from + 2..points.len() / dof).rev().find(sees) {
+            points.drain((from + 1) * dof..to * dof);
         }
         from += 1;
     }

@@ -3,22 +3,24 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::plane::geometry::Rect;
+use crate::plane::Robot;
+use crate::plane::geometry::{Point, Rect};
 use crate::plane::shortest_path::{Route, ShortestPath};
 use crate::plane::world::{Obstacle, World};
+use crate::profile::Profile;
 use crate::rng::{Purpose, stream};
-use crate::robot::Robot;
+use crate::scene::{PlaneTask, Task};
 
 const FIELD: Rect = Rect { min: [0.0, 0.0], max: [64.0, 64.0] };
 
 fn task(rects: Vec<Rect>, robot: Robot, start: Point, goal: Point) -> Task {
     let world = World::new(FIELD, rects.into_iter().map(Obstacle::Rect).collect(), None);
-    Task::new("", Arc::new(world), robot, start, goal).unwrap()
+    Task::in_plane("", Arc::new(world), robot, start, goal).unwrap()
 }
 
 fn plan(planner: &RrtConnect, task: &Task, index: u64) -> RrtRun {
-    let certifier = Certifier::new(&task.world, task.robot);
-    planner.plan(task, &certifier, &mut stream(1000, Purpose::Planner, index, 0))
+    let query = Query::of(task, &Profile::DEFAULT);
+    planner.plan(&query, &mut stream(1000, Purpose::Planner, index, 0))
 }
 
 fn random_task(index: u64, robot: Robot) -> Task {
@@ -42,11 +44,12 @@ fn solves_what_can_be_solved() {
         for index in 0..400 {
             let task = random_task(index, robot);
             let run = plan(&planner, &task, index);
-            let route = ShortestPath::new(&task.world, robot).find(task.start, task.goal);
+            let PlaneTask { world, start, goal, .. } = task.plane().unwrap();
+            let route = ShortestPath::new(world, robot).find(start, goal);
             match (route, run.trajectory) {
                 (Route::Found { lower_bound, .. }, Some(found)) => {
                     (solvable, solved) = (solvable + 1, solved + 1);
-                    assert_eq!(crate::certify(&task, &found), Ok(()), "{index}");
+                    assert!(crate::certify(&task, &found).is_ok(), "{index}");
                     ratio += found.length() / lower_bound.max(1e-9);
                 }
                 (Route::Found { .. }, None) => solvable += 1,
@@ -83,14 +86,14 @@ fn short_cuts_only_shorten() {
     let (mut bent, mut shortened) = (0, 0);
     for index in 0..100 {
         let task = random_task(index, Robot::Point);
-        let certifier = Certifier::new(&task.world, task.robot);
+        let query = Query::of(&task, &Profile::DEFAULT);
         let Some(found) = plan(&raw, &task, index).trajectory else { continue };
-        let mut points = found.points().to_vec();
-        shortcut(&mut points, &certifier, 20, &mut stream(0, Purpose::Planner, index, 1));
-        let after = Trajectory::from_points(&points);
-        assert_eq!(certifier.certify(&task, &after), Ok(()));
+        let mut after = found.clone();
+        let is_free = |from: &[f64], to: &[f64]| query.scene().motion_is_free(from, to);
+        shortcut(&mut after, is_free, 20, &mut stream(0, Purpose::Planner, index, 1));
+        assert!(query.certify(after.clone()).is_ok());
         assert!(after.length() <= found.length() + 1e-9);
-        bent += usize::from(found.points().len() > 2);
+        bent += usize::from(found.len() > 2);
         shortened += usize::from(after.length() < found.length() - 1e-6);
     }
     assert!(bent > 10 && shortened * 10 >= bent * 9, "{shortened} of {bent}");

@@ -1,7 +1,5 @@
-//! A tree of positions with its nearest-neighbour search: all nodes while they are few, then square
-//! buckets searched ring by ring.
-
-use crate::plane::geometry::{Point, Rect};
+//! A tree of configurations with its nearest-neighbour search: all nodes while they are few, then buckets over the first
+//! two coordinates, searched ring by ring. Two configurations are at least as far apart as in these two.
 
 /// Up to this many nodes, all are compared.
 const MOST_WITHOUT_BUCKETS: usize = 256;
@@ -13,9 +11,13 @@ const NONE: u32 = u32::MAX;
 /// Nodes, each with the node it grew from.
 #[derive(Debug, Clone)]
 pub(super) struct Tree {
-    points: Vec<Point>,
+    dof: usize,
+    /// `[nodes x dof]`.
+    points: Vec<f64>,
     parents: Vec<u32>,
-    bounds: Rect,
+    /// Least value of the first two coordinates, and sides of a bucket; a lone coordinate counts twice.
+    least: [f64; 2],
+    sides: [f64; 2],
     /// The last node of each bucket; empty while there are few nodes.
     heads: Vec<u32>,
     /// For each node the one before it in its bucket.
@@ -23,25 +25,34 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// A tree of one node.
-    pub(super) fn new(root: Point, bounds: Rect) -> Self {
-        Self { points: vec![root], parents: vec![0], bounds, heads: Vec::new(), next: Vec::new() }
+    /// A tree of one node `root [dof]`, in the space within `limits [dof]`.
+    pub(super) fn new(root: &[f64], limits: &[[f64; 2]]) -> Self {
+        let axes = [limits[0], limits[1.min(limits.len() - 1)]];
+        Self {
+            dof: root.len(),
+            points: root.to_vec(),
+            parents: vec![0],
+            least: axes.map(|[least, _]| least),
+            sides: axes.map(|[least, most]| (most - least) / PER_AXIS as f64),
+            heads: Vec::new(),
+            next: Vec::new(),
+        }
     }
 
     /// Number of nodes.
     pub(super) fn len(&self) -> usize {
-        self.points.len()
+        self.parents.len()
     }
 
-    /// The position of a node.
-    pub(super) fn point(&self, node: usize) -> Point {
-        self.points[node]
+    /// The configuration of a node, `[dof]`.
+    pub(super) fn point(&self, node: usize) -> &[f64] {
+        &self.points[node * self.dof..][..self.dof]
     }
 
     /// Adds a node and returns its index.
-    pub(super) fn push(&mut self, point: Point, parent: usize) -> usize {
-        let node = self.points.len();
-        self.points.push(point);
+    pub(super) fn push(&mut self, point: &[f64], parent: usize) -> usize {
+        let node = self.len();
+        self.points.extend_from_slice(point);
         self.parents.push(parent as u32);
         if node == MOST_WITHOUT_BUCKETS {
             self.heads = vec![NONE; PER_AXIS * PER_AXIS];
@@ -54,36 +65,29 @@ impl Tree {
 
     /// Puts a node into its bucket.
     fn file(&mut self, node: usize) {
-        let [column, row] = self.bucket(self.points[node]);
+        let [column, row] = self.bucket(self.point(node));
         let head = &mut self.heads[row * PER_AXIS + column];
         self.next.push(std::mem::replace(head, node as u32));
     }
 
-    /// Sides of a bucket.
-    fn bucket_size(&self) -> Point {
-        self.bounds.size().map(|side| side / PER_AXIS as f64)
-    }
-
-    /// The column and row of a point's bucket.
-    fn bucket(&self, p: Point) -> [usize; 2] {
-        let size = self.bucket_size();
+    /// The column and row of a configuration's bucket.
+    fn bucket(&self, p: &[f64]) -> [usize; 2] {
         [0, 1].map(|axis| {
-            let index = (p[axis] - self.bounds.min[axis]) / size[axis];
+            let index = (p[axis.min(p.len() - 1)] - self.least[axis]) / self.sides[axis];
             (index.max(0.0) as usize).min(PER_AXIS - 1)
         })
     }
 
-    /// The node nearest to `target`; of equally near ones any, but always the same.
-    pub(super) fn nearest(&self, target: Point) -> usize {
+    /// The node nearest to `target [dof]`; of equally near ones any, but always the same.
+    pub(super) fn nearest(&self, target: &[f64]) -> usize {
         if self.heads.is_empty() {
             return self.nearest_of_all(target);
         }
-        let size = self.bucket_size();
         let [column, row] = self.bucket(target).map(|index| index as i64);
         let (mut best, mut least) = (0, f64::INFINITY);
         for ring in 0..PER_AXIS as i64 {
             // Everything in this ring and beyond is at least this far, on one axis or the other.
-            let away = (ring - 1).max(0) as f64 * size[0].min(size[1]);
+            let away = (ring - 1).max(0) as f64 * self.sides[0].min(self.sides[1]);
             if away * away > least {
                 break;
             }
@@ -97,7 +101,7 @@ impl Tree {
                     }
                     let mut node = self.heads[y as usize * PER_AXIS + x as usize];
                     while node != NONE {
-                        let square = distance_squared(self.points[node as usize], target);
+                        let square = distance_squared(self.point(node as usize), target);
                         if square < least {
                             (best, least) = (node as usize, square);
                         }
@@ -109,9 +113,9 @@ impl Tree {
         best
     }
 
-    fn nearest_of_all(&self, target: Point) -> usize {
+    fn nearest_of_all(&self, target: &[f64]) -> usize {
         let (mut best, mut least) = (0, f64::INFINITY);
-        for (node, &point) in self.points.iter().enumerate() {
+        for (node, point) in self.points.chunks_exact(self.dof).enumerate() {
             let square = distance_squared(point, target);
             if square < least {
                 (best, least) = (node, square);
@@ -120,20 +124,16 @@ impl Tree {
         best
     }
 
-    /// The positions from a node back to the root.
-    pub(super) fn branch(&self, mut node: usize) -> Vec<Point> {
-        let mut points = vec![self.points[node]];
-        while node != 0 {
-            node = self.parents[node] as usize;
-            points.push(self.points[node]);
-        }
-        points
+    /// The nodes from one back to the root.
+    pub(super) fn branch(&self, node: usize) -> impl Iterator<Item = &[f64]> {
+        let parent = |&node: &usize| (node != 0).then(|| self.parents[node] as usize);
+        std::iter::successors(Some(node), parent).map(|node| self.point(node))
     }
 }
 
-fn distance_squared(a: Point, b: Point) -> f64 {
-    let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
-    dx * dx + dy * dy
+#[inline]
+fn distance_squared(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b))
 }
 
 #[cfg(test)]
@@ -149,17 +149,16 @@ mod tests {
             points in prop::collection::vec((-1.0..9.0_f64, 2.0..4.0_f64), 300..600),
             targets in prop::collection::vec((-2.0..10.0_f64, 1.0..5.0_f64), 20),
         ) {
-            let bounds = Rect { min: [-1.0, 2.0], max: [9.0, 4.0] };
-            let mut tree = Tree::new([0.0, 3.0], bounds);
+            let mut tree = Tree::new(&[0.0, 3.0], &[[-1.0, 9.0], [2.0, 4.0]]);
             for (x, y) in points {
-                tree.push([x, y], 0);
+                tree.push(&[x, y], 0);
             }
             for (x, y) in targets {
                 let target = [x.clamp(-1.0, 9.0), y.clamp(2.0, 4.0)];
-                let (fast, slow) = (tree.nearest(target), tree.nearest_of_all(target));
+                let (fast, slow) = (tree.nearest(&target), tree.nearest_of_all(&target));
                 prop_assert_eq!(
-                    distance_squared(tree.point(fast), target),
-                    distance_squared(tree.point(slow), target)
+                    distance_squared(tree.point(fast), &target),
+                    distance_squared(tree.point(slow), &target)
                 );
             }
         }

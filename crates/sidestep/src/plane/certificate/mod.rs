@@ -16,20 +16,17 @@ mod boxes;
 mod buckets;
 mod cells;
 mod distance;
-mod violation;
-
-pub use violation::{ObstacleId, Violation};
 
 use boxes::Boxes;
 use buckets::Buckets;
 pub(crate) use cells::{Cells, Growth};
 pub(crate) use distance::segment_obstacle_distance;
 
+use crate::plane::Robot;
 use crate::plane::geometry::{Point, Rect};
+use crate::plane::points;
 use crate::plane::world::{Obstacle, World};
-use crate::robot::Robot;
-use crate::task::Task;
-use crate::trajectory::Trajectory;
+use crate::trajectory::{ObstacleId, Trajectory, Violation};
 
 /// Above this many shapes, buckets are built.
 const MOST_WITHOUT_BUCKETS: usize = 32;
@@ -155,7 +152,7 @@ impl Certifier {
     /// # Errors
     /// If the trajectory is not certified.
     pub fn check(&self, trajectory: &Trajectory) -> Result<(), Violation> {
-        let points = trajectory.points();
+        let points = points(trajectory);
         let (Some(&start), Some(&goal)) = (points.first(), points.last()) else {
             return Err(Violation::EmptyTrajectory);
         };
@@ -175,7 +172,8 @@ impl Certifier {
         if let Some(obstacle) = self.first_obstacle_hit(goal, goal) {
             return Err(Violation::GoalInCollision { obstacle });
         }
-        for (segment, (a, b)) in trajectory.segments().enumerate() {
+        for (segment, pair) in points.windows(2).enumerate() {
+            let (a, b) = (pair[0], pair[1]);
             if !self.bounds.contains(b) {
                 return Err(Violation::OutOfBounds { segment, point: segment + 1 });
             }
@@ -186,24 +184,11 @@ impl Certifier {
         Ok(())
     }
 
-    /// Certifies a trajectory as an answer to a task whose world and robot this was prepared for:
-    /// [`check`](Self::check), and it must begin and end exactly at the task's start and goal.
-    ///
-    /// # Errors
-    /// If the trajectory is not certified.
-    pub fn certify(&self, task: &Task, trajectory: &Trajectory) -> Result<(), Violation> {
-        match (trajectory.points().first(), trajectory.points().last()) {
-            (Some(&first), _) if first != task.start => Err(Violation::WrongStart),
-            (_, Some(&last)) if last != task.goal => Err(Violation::WrongGoal),
-            _ => self.check(trajectory),
-        }
-    }
-
     /// The smallest distance from the swept body to any obstacle, occupied cell or wall, exact up to
     /// rounding. Where the path enters an obstacle this is minus the robot's radius, and outside
     /// the bounds it is below that. Infinite for an empty trajectory.
     pub fn clearance(&self, trajectory: &Trajectory) -> f64 {
-        self.clearance_of(trajectory.points())
+        self.clearance_of(points(trajectory))
     }
 
     /// The clearance of a path through these points.
@@ -278,14 +263,6 @@ fn boxes_distance(a: Point, b: Point, rect: &Rect) -> f64 {
         (rect.min[axis] - high).max(low - rect.max[axis])
     };
     gap(0).max(gap(1)).max(0.0)
-}
-
-/// Certifies a trajectory as an answer to a task. To check many, keep a [`Certifier`].
-///
-/// # Errors
-/// If the trajectory is not certified.
-pub fn certify(task: &Task, trajectory: &Trajectory) -> Result<(), Violation> {
-    Certifier::new(&task.world, task.robot).certify(task, trajectory)
 }
 
 #[cfg(test)]

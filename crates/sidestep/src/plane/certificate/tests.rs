@@ -135,19 +135,6 @@ fn violations_are_named() {
 }
 
 #[test]
-fn a_task_certifies_its_own_ends_only() {
-    let world = std::sync::Arc::new(World::new(FIELD, Vec::new(), None));
-    let task = Task::new("", world, Robot::Point, [1.0, 1.0], [9.0, 9.0]).unwrap();
-    let check = |points: &[Point], expected| {
-        assert_eq!(certify(&task, &Trajectory::from_points(points)), expected);
-    };
-    check(&[[1.0, 1.0], [9.0, 9.0]], Ok(()));
-    check(&[[1.0, 1.1], [9.0, 9.0]], Err(Violation::WrongStart));
-    check(&[[1.0, 1.0]], Err(Violation::WrongGoal));
-    check(&[], Err(Violation::EmptyTrajectory));
-}
-
-#[test]
 fn clearance_rows() {
     let check = |certifier: &Certifier, points: &[Point], expected: f64| {
         let clearance = certifier.clearance(&Trajectory::from_points(points));

@@ -8,8 +8,8 @@
 
 use super::transform::squared_distance_transform;
 use super::{LANES, Samples};
+use crate::plane::frame::Frame;
 use crate::plane::world::{Grid, World};
-use crate::profile::Frame;
 
 /// How an image is read between texel centres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,7 +97,7 @@ impl ImageField {
 
     /// Samples all points.
     #[inline(always)]
-    pub(crate) fn sample(&self, x: &[f32], y: &[f32], points: usize, out: &mut Samples) {
+    pub(crate) fn sample(&self, x: &[f32], y: &[f32], points: usize, out: &mut Samples<'_>) {
         if self.interpolation == Interpolation::BilinearSobel {
             return self.sample_bilinear_sobel(x, y, points, out);
         }
@@ -135,7 +135,7 @@ impl ImageField {
 
     /// The positions are located a block at a time, the texels read one point at a time.
     #[inline(always)]
-    fn sample_bilinear_sobel(&self, x: &[f32], y: &[f32], points: usize, out: &mut Samples) {
+    fn sample_bilinear_sobel(&self, x: &[f32], y: &[f32], points: usize, out: &mut Samples<'_>) {
         let last = [(self.width - 1) as f32, (self.height - 1) as f32];
         for begin in (0..points).step_by(LANES) {
             let range = begin..begin + LANES;
@@ -337,7 +337,7 @@ mod tests {
             })
             .collect();
         let grid = Grid::new(width, height, 0.5, [1.0, -2.0], occupied).unwrap();
-        let frame = Profile::DEFAULT.frame(grid.rect());
+        let frame = Frame::new(&Profile::DEFAULT, grid.rect());
         ImageField::grid(&grid, &frame).unwrap().with_interpolation(interpolation)
     }
 

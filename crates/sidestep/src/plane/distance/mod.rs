@@ -9,9 +9,10 @@ mod shapes;
 mod transform;
 
 use crate::kernels::{Isa, dispatch};
+use crate::plane::Robot;
+use crate::plane::frame::Frame;
 use crate::plane::world::World;
-use crate::profile::{DistanceKind, Frame, Profile};
-use crate::robot::Robot;
+use crate::profile::{DistanceKind, Profile};
 
 pub use image::{ImageField, Interpolation};
 pub use shapes::ShapeField;
@@ -26,18 +27,12 @@ const CLEARANCE_POINTS: usize = 1024;
 /// effectiveness of quasirandom sequences"): even, and on no lattice that a grid could share.
 const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
 
-/// Distances and gradients of a set of points, as arrays of equal length (a multiple of [`LANES`]).
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Samples {
-    pub distance: Vec<f32>,
-    pub gradient_x: Vec<f32>,
-    pub gradient_y: Vec<f32>,
-}
-
-impl Samples {
-    pub fn with_len(len: usize) -> Self {
-        Self { distance: vec![0.0; len], gradient_x: vec![0.0; len], gradient_y: vec![0.0; len] }
-    }
+/// Distances and gradients of a set of points, in slices of equal length (a multiple of [`LANES`]).
+#[derive(Debug)]
+pub(crate) struct Samples<'a> {
+    pub distance: &'a mut [f32],
+    pub gradient_x: &'a mut [f32],
+    pub gradient_y: &'a mut [f32],
 }
 
 /// The distance field of a world for a robot.
@@ -53,7 +48,7 @@ pub struct Field {
 impl Field {
     /// Builds the field that the profile asks for.
     pub fn new(world: &World, robot: Robot, profile: &Profile) -> Self {
-        let frame = profile.frame(world.bounds());
+        let frame = Frame::new(profile, world.bounds());
         let radius = (robot.radius() / frame.scale) as f32;
         match profile.distance {
             DistanceKind::PaperImage => Self {
@@ -82,9 +77,14 @@ impl Field {
     /// Signed distance of the robot's body at one point and its gradient (both unquirked), in
     /// normalised units.
     pub fn at(&self, p: [f32; 2]) -> (f32, [f32; 2]) {
-        let mut samples = Samples::with_len(LANES);
+        let [mut distance, mut gradient_x, mut gradient_y] = [[0.0; LANES]; 3];
+        let mut samples = Samples {
+            distance: &mut distance,
+            gradient_x: &mut gradient_x,
+            gradient_y: &mut gradient_y,
+        };
         self.sample(&[p[0]; LANES], &[p[1]; LANES], 1, &mut samples);
-        (samples.distance[0], [samples.gradient_x[0], samples.gradient_y[0]])
+        (distance[0], [gradient_x[0], gradient_y[0]])
     }
 
     /// The median distance over the free part of a field of this size, at most its larger side; 0
@@ -113,7 +113,7 @@ impl Field {
     /// Samples the first `points` points; slices have equal length, a multiple of [`LANES`], and what
     /// lies after the points is filled with any finite values.
     #[inline(always)]
-    pub(crate) fn sample(&self, x: &[f32], y: &[f32], points: usize, out: &mut Samples) {
+    pub(crate) fn sample(&self, x: &[f32], y: &[f32], points: usize, out: &mut Samples<'_>) {
         match (&self.shapes, &self.image) {
             (Some(shapes), None) => shapes.sample(x, y, out),
             (None, Some(image)) => image.sample(x, y, points, out),
@@ -169,7 +169,7 @@ impl Field {
 }
 
 /// Keeps the nearer of what `out` holds and the image.
-fn merge_image(image: &ImageField, x: &[f32], y: &[f32], out: &mut Samples) {
+fn merge_image(image: &ImageField, x: &[f32], y: &[f32], out: &mut Samples<'_>) {
     for i in 0..x.len() {
         let (distance, gradient) = image.at([x[i], y[i]]);
         if distance < out.distance[i] {
@@ -182,7 +182,12 @@ fn merge_image(image: &ImageField, x: &[f32], y: &[f32], out: &mut Samples) {
 
 /// Keeps the nearer of what `out` holds and the walls. At a tie the shape's gradient stays.
 #[inline(always)]
-fn merge_walls([min_x, min_y, max_x, max_y]: [f32; 4], x: &[f32], y: &[f32], out: &mut Samples) {
+fn merge_walls(
+    [min_x, min_y, max_x, max_y]: [f32; 4],
+    x: &[f32],
+    y: &[f32],
+    out: &mut Samples<'_>,
+) {
     for first in (0..x.len()).step_by(LANES) {
         let range = first..first + LANES;
         let [mut px, mut py, mut distance, mut gradient_x, mut gradient_y] = [[0.0; LANES]; 5];
@@ -217,7 +222,9 @@ pub struct Sampler {
     points: usize,
     x: Vec<f32>,
     y: Vec<f32>,
-    samples: Samples,
+    distance: Vec<f32>,
+    gradient_x: Vec<f32>,
+    gradient_y: Vec<f32>,
 }
 
 impl Sampler {
@@ -244,12 +251,13 @@ impl Sampler {
             let last = values.last().copied().unwrap_or(0.0);
             values.resize(padded, last);
         }
-        let Samples { distance, gradient_x, gradient_y } = &mut self.samples;
-        for values in [distance, gradient_x, gradient_y] {
+        let Self { points, x, y, distance, gradient_x, gradient_y } = self;
+        for values in [&mut *distance, gradient_x, gradient_y] {
             values.resize(padded, 0.0);
         }
-        sample_points(Isa::detect(), field, &self.x, &self.y, self.points, &mut self.samples);
-        let Samples { distance, gradient_x, gradient_y } = &self.samples;
+        let mut samples = Samples { distance, gradient_x, gradient_y };
+        sample_points(Isa::detect(), field, x, y, *points, &mut samples);
+        let Self { distance, gradient_x, gradient_y, .. } = self;
         (0..self.points).map(move |i| (distance[i], [gradient_x[i], gradient_y[i]]))
     }
 }
@@ -264,7 +272,7 @@ fn probe_points_body<const ISA: u8>(field: &Field, x: &[f32], y: &[f32], out: &m
 }
 
 dispatch! {
-    fn sample_points(field: &Field, x: &[f32], y: &[f32], points: usize, out: &mut Samples)
+    fn sample_points(field: &Field, x: &[f32], y: &[f32], points: usize, out: &mut Samples<'_>)
         = sample_points_body;
 }
 
@@ -274,7 +282,7 @@ fn sample_points_body<const ISA: u8>(
     x: &[f32],
     y: &[f32],
     points: usize,
-    out: &mut Samples,
+    out: &mut Samples<'_>,
 ) {
     field.sample(x, y, points, out);
 }

@@ -7,8 +7,8 @@
 
 use super::boundary::{Arc, UnionBoundary};
 use super::{LANES, Samples};
+use crate::plane::frame::Frame;
 use crate::plane::world::Obstacle;
-use crate::profile::Frame;
 
 /// Shapes in normalised units, ready to be sampled.
 #[derive(Debug, Clone)]
@@ -162,7 +162,7 @@ impl ShapeField {
 
     /// Samples all points; slices have equal length, a multiple of [`LANES`].
     #[inline(always)]
-    pub(crate) fn sample(&self, x: &[f32], y: &[f32], out: &mut Samples) {
+    pub(crate) fn sample(&self, x: &[f32], y: &[f32], out: &mut Samples<'_>) {
         for block in 0..x.len() / LANES {
             let range = block * LANES..(block + 1) * LANES;
             let mut px = [0.0; LANES];

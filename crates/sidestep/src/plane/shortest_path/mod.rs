@@ -27,10 +27,10 @@ use std::sync::{Arc, OnceLock};
 use layer::Layer;
 use search::{Ending, Limits, Workspace};
 
+use crate::plane::Robot;
 use crate::plane::certificate::Certifier;
 use crate::plane::geometry::{Point, distance};
 use crate::plane::world::World;
-use crate::robot::Robot;
 use crate::trajectory::Trajectory;
 
 /// Arcs per right angle: a path round a corner is longer than the arc by at most 0.4 %.

@@ -188,9 +188,9 @@ pub(crate) fn runs(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::Robot;
     use crate::plane::geometry::Circle;
     use crate::plane::world::{Grid, World};
-    use crate::robot::Robot;
 
     #[test]
     fn runs_of_ones_and_zeros() {

@@ -1,7 +1,7 @@
 //! Answers of the exact search.
 
-use crate::plane::certificate::Violation;
 use crate::trajectory::Trajectory;
+use crate::trajectory::Violation;
 
 /// The answer to one shortest-path query.
 #[derive(Debug, Clone, PartialEq)]

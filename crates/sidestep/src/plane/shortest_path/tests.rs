@@ -6,9 +6,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::plane::certificate::Violation;
 use crate::plane::geometry::{Circle, ConvexPolygon, Rect};
 use crate::plane::world::{Grid, Obstacle};
+use crate::trajectory::Violation;
 
 const FIELD: Rect = Rect { min: [0.0, 0.0], max: [64.0, 64.0] };
 
@@ -51,7 +51,7 @@ fn as_grid(rects: &[Rect]) -> World {
 pub(super) fn length(query: &mut ShortestPath, start: Point, goal: Point) -> Option<f64> {
     match query.find(start, goal) {
         Route::Found { trajectory, length, lower_bound } => {
-            let points = trajectory.points();
+            let points = crate::plane::points(&trajectory);
             assert_eq!((points[0], points[points.len() - 1]), (start, goal));
             assert_eq!(query.certifier().check(&trajectory), Ok(()));
             assert!((trajectory.length() - length).abs() < 1e-9 * (1.0 + length));
@@ -155,7 +155,7 @@ fn hand_made_rows() {
 #[test]
 fn ends_that_are_not_free_are_named() {
     let mut query = ShortestPath::new(&world(vec![rect(20.0, 20.0, 40.0, 40.0)]), Robot::Point);
-    let obstacle = crate::plane::certificate::ObstacleId::Shape(0);
+    let obstacle = crate::trajectory::ObstacleId::Shape(0);
     let mut check = |start, goal, expected| {
         assert_eq!(query.find(start, goal), Route::Unsolvable(Proof::End(expected)));
     };

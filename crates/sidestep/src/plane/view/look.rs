@@ -1,6 +1,6 @@
 //! The four ways to look at a task, and the axes of each.
 
-use crate::objective::Objective;
+use crate::plane::Subject;
 
 /// One of four ways to look at a task, which are the same task: from either end, and in a mirror that lies along the line from start to
 /// goal. A policy that is asked what it sees need not answer alike; where it gets stuck one way it may get through the other.
@@ -38,8 +38,8 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    pub fn new(objective: &Objective, look: Look) -> Self {
-        let (mut start, mut goal) = (objective.start(), objective.goal());
+    pub fn new(subject: Subject<'_>, look: Look) -> Self {
+        let (mut start, mut goal) = (subject.start, subject.goal);
         if look.backwards {
             std::mem::swap(&mut start, &mut goal);
         }

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use crate::kernels::{Isa, dispatch};
 use crate::network::{MAP_INPUTS, MapScratch, MapShape};
-use crate::objective::Objective;
+use crate::plane::Subject;
 use crate::plane::distance::{Field, LANES};
 
 /// Beyond start and goal, in normalised units.
@@ -51,9 +51,9 @@ pub struct TaskMap {
 }
 
 impl TaskMap {
-    /// The map of the objective's task; its features are not there until the network has read it.
-    pub fn new(shape: &MapShape, objective: &Objective) -> Self {
-        let axes = Axes::new(objective, Look::default());
+    /// The map of the subject's task; its features are not there until the network has read it.
+    pub fn new(shape: &MapShape, subject: Subject<'_>) -> Self {
+        let axes = Axes::new(subject, Look::default());
         let length = axes.length;
         let cells = shape.cells;
         let cell = (length + 2.0 * MARGIN) / cells as f32;
@@ -64,19 +64,19 @@ impl TaskMap {
             cell,
             cells,
             channels: shape.channels,
-            ways: Arc::new(Ways::new(objective)),
+            ways: Arc::new(Ways::new(subject)),
             backwards: false,
             scratch: MapScratch::new(shape),
         };
-        map.fill(length, objective.scene().exact_field());
+        map.fill(length, subject.scene.exact_field());
         map
     }
 
     /// The map of the same task looked at another way; it shares the ways, which are the longer part of the work.
-    pub fn other(&self, objective: &Objective, look: Look) -> Self {
-        let axes = Axes::new(objective, look);
+    pub fn other(&self, subject: Subject<'_>, look: Look) -> Self {
+        let axes = Axes::new(subject, look);
         let mut map = Self { axes, backwards: look.backwards, ..self.clone() };
-        map.fill(axes.length, objective.scene().exact_field());
+        map.fill(axes.length, subject.scene.exact_field());
         map
     }
 

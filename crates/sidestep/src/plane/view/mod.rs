@@ -22,9 +22,9 @@ mod sweeps;
 mod ways;
 
 use crate::kernels::{Isa, dispatch};
-use crate::objective::Objective;
+use crate::plane::Subject;
 use crate::plane::distance::{Field, LANES, Samples};
-use crate::policy::ActionRule;
+use crate::trajectory::ActionRule;
 use look::Axes;
 
 pub use look::Look;
@@ -54,7 +54,6 @@ pub struct WaypointView {
     previous: Vec<[f32; 2]>,
     age: u32,
     is_bent: bool,
-    is_free: bool,
     buffers: Buffers,
     isa: Isa,
 }
@@ -66,7 +65,9 @@ struct Buffers {
     /// Waypoints, then the point of each segment that is nearest to an obstacle, or deepest in one.
     x: Vec<f32>,
     y: Vec<f32>,
-    samples: Samples,
+    distance: Vec<f32>,
+    gradient_x: Vec<f32>,
+    gradient_y: Vec<f32>,
     /// Per segment, which of its points that is.
     least: Vec<usize>,
     /// Per segment, whether it is free.
@@ -82,12 +83,12 @@ struct Buffers {
 }
 
 impl WaypointView {
-    /// A view of the trajectories of `objective`.
-    pub fn new(probes: &Probes, objective: &Objective, look: Look) -> Self {
-        let waypoints = objective.waypoints();
-        let axes = Axes::new(objective, look);
+    /// A view of the trajectories of `subject`.
+    pub fn new(probes: &Probes, subject: Subject<'_>, look: Look) -> Self {
+        let waypoints = subject.waypoints;
+        let axes = Axes::new(subject, look);
         let start = axes.start;
-        let scene = objective.scene();
+        let scene = subject.scene;
         let bounds = scene.certifier().bounds();
         let [min_x, min_y] = scene.frame().to_normalised(bounds.min);
         let [max_x, max_y] = scene.frame().to_normalised(bounds.max);
@@ -108,12 +109,13 @@ impl WaypointView {
             previous: vec![[0.0; 2]; waypoints],
             age: 0,
             is_bent: false,
-            is_free: false,
             buffers: Buffers {
                 points: vec![start; waypoints],
                 x: vec![start[0]; points],
                 y: vec![start[1]; points],
-                samples: Samples::with_len(points),
+                distance: vec![0.0; points],
+                gradient_x: vec![0.0; points],
+                gradient_y: vec![0.0; points],
                 least: vec![0; waypoints + 1],
                 free: vec![false; waypoints + 1],
                 segment_x: vec![start[0]; on_segments],
@@ -133,37 +135,29 @@ impl WaypointView {
         self.age = 0;
     }
 
-    /// Whether the trajectory last seen is free by the exact certificate.
-    pub fn is_free(&self) -> bool {
-        self.is_free
-    }
-
     /// Writes the rows of the waypoints `x [N x 2]` to `out [N x stride]`, in the order of the look, `stride` at least the row's
-    /// length; `map` is the task's of the same look, read by the network, where the view has one.
+    /// length; `free [N + 1]` says which segments are certified, and `map` is the task's of the same look, read by the network,
+    /// where the view has one.
     pub fn encode(
         &mut self,
-        objective: &Objective,
+        subject: Subject<'_>,
         x: &[f32],
+        free: &[bool],
         map: Option<&TaskMap>,
         out: &mut [f32],
         stride: usize,
     ) {
         self.buffers.points.copy_from_slice(x.as_chunks::<2>().0);
+        self.buffers.free.copy_from_slice(free);
         if self.look.backwards {
             self.buffers.points.reverse();
+            self.buffers.free.reverse();
         }
         if self.age == 0 {
             self.is_bent = self.bends();
         }
-        let Buffers { points, free, .. } = &mut self.buffers;
-        let mut from = self.axes.start;
-        for (free, &to) in free.iter_mut().zip(points.iter().chain([&self.axes.goal])) {
-            *free = objective.segment_is_free(from, to);
-            from = to;
-        }
         let blocked = free.iter().filter(|free| !**free).count();
-        self.is_free = blocked == 0;
-        let field = objective.scene().exact_field();
+        let field = subject.scene.exact_field();
         let Axes { start, goal, length, .. } = self.axes;
         measure(self.isa, field, &mut self.buffers, &self.offsets, start, goal);
         let shared = [
@@ -187,7 +181,7 @@ impl WaypointView {
         let (points, axes) = (&self.buffers.points, &self.axes);
         let before = if i > 0 { points[i - 1] } else { axes.start };
         let after = points.get(i + 1).copied().unwrap_or(axes.goal);
-        let samples = &self.buffers.samples;
+        let Buffers { distance, gradient_x, gradient_y, .. } = &self.buffers;
         let at = points[i];
         let mut row = RowWriter(row);
         let offset = |from: [f32; 2], to: [f32; 2], factor: f32| {
@@ -200,13 +194,13 @@ impl WaypointView {
         row.put(self.previous[i].map(|u| 2.5 * u));
         row.put(*shared);
         row.put([(i + 1) as f32 / (self.waypoints + 1) as f32]);
-        row.put([coarse(samples.distance[i]), fine(samples.distance[i])]);
-        row.put(axes.back([samples.gradient_x[i], samples.gradient_y[i]]));
+        row.put([coarse(distance[i]), fine(distance[i])]);
+        row.put(axes.back([gradient_x[i], gradient_y[i]]));
         for segment in [i, i + 1] {
             let (first, least) = (ON_SEGMENT * segment, self.waypoints + segment);
             row.put([1, 3, 5].map(|k| coarse(self.buffers.segment[first + k])));
-            row.put([fine(samples.distance[least])]);
-            row.put(axes.back([samples.gradient_x[least], samples.gradient_y[least]]));
+            row.put([fine(distance[least])]);
+            row.put(axes.back([gradient_x[least], gradient_y[least]]));
             row.put([(self.buffers.least[segment] + 1) as f32 / (ON_SEGMENT + 1) as f32]);
             row.put([f32::from(u8::from(self.buffers.free[segment]))]);
         }
@@ -303,7 +297,9 @@ fn measure_body<const ISA: u8>(
         points,
         x,
         y,
-        samples,
+        distance: waypoint_distance,
+        gradient_x,
+        gradient_y,
         least,
         segment_x,
         segment_y,
@@ -346,7 +342,8 @@ fn measure_body<const ISA: u8>(
             *py = p[1] + offset[1];
         }
     }
-    field.sample(x, y, 2 * points.len() + 1, samples);
+    let mut samples = Samples { distance: waypoint_distance, gradient_x, gradient_y };
+    field.sample(x, y, 2 * points.len() + 1, &mut samples);
     field.probe(probe_x, probe_y, probe);
 }
 

@@ -2,12 +2,12 @@
 
 use super::*;
 use crate::network::{WaypointNet, WaypointScratch, WaypointShape};
+use crate::objective::Objective;
 use crate::plane::geometry::{Point, Rect};
 use crate::plane::world::{Obstacle, World};
 use crate::profile::Profile;
-use crate::scene::Scene;
+use crate::scene::{Query, Setting, Task};
 use crate::suite::{candidate, varied};
-use crate::task::Task;
 use std::sync::Arc;
 
 fn probes() -> Probes {
@@ -19,7 +19,7 @@ fn row_len(probes: &Probes) -> usize {
 }
 
 fn objective(task: &Task, profile: &Profile) -> Objective {
-    Objective::new(task, Arc::new(Scene::of(task, profile)), 7).unwrap()
+    Objective::new(&Query::of(task, profile), 7).unwrap()
 }
 
 /// The task turned by a right angle about the middle of its field.
@@ -39,10 +39,19 @@ fn moved(task: &Task, place: impl Fn(Point) -> Point) -> Task {
         let least = [0, 1].map(|axis| a[axis].min(b[axis]));
         Obstacle::Rect(Rect::new(least, [0, 1].map(|axis| a[axis].max(b[axis]))).unwrap())
     };
-    let obstacles = task.world.obstacles().iter().map(rect).collect();
-    let world = Arc::new(World::new(task.world.bounds(), obstacles, None));
-    let (start, goal) = (place(task.start), place(task.goal));
-    Task { world, start, goal, ..task.clone() }
+    let plane = task.plane().unwrap();
+    let obstacles = plane.world.obstacles().iter().map(rect).collect();
+    let world = Arc::new(World::new(plane.world.bounds(), obstacles, None));
+    let (start, goal) = (place(plane.start).into(), place(plane.goal).into());
+    let setting = Setting::Plane { world, robot: plane.robot };
+    Task { setting, start, goal, ..task.clone() }
+}
+
+/// Which segments are free.
+fn free(objective: &Objective, x: &[f32]) -> Vec<bool> {
+    let mut free = vec![false; objective.waypoints() + 1];
+    objective.free_segments(x, &mut free);
+    free
 }
 
 #[test]
@@ -52,15 +61,30 @@ fn a_turned_world_looks_the_same() {
         let mut seen = Vec::new();
         for task in [task.clone(), turned(&task)] {
             let objective = objective(&task, &Profile::DEFAULT);
-            let mut view = WaypointView::new(&probes(), &objective, Look::default());
+            let mut view =
+                WaypointView::new(&probes(), objective.plane().unwrap(), Look::default());
             let mut x = vec![0.0; 14];
             objective.straight_line(&mut x);
             let stride = row_len(&probes()) + 3;
             let mut rows = vec![9.0; 7 * stride];
-            view.encode(&objective, &x, None, &mut rows, stride);
+            view.encode(
+                objective.plane().unwrap(),
+                &x,
+                &free(&objective, &x),
+                None,
+                &mut rows,
+                stride,
+            );
             view.apply(&ActionRule::PAPER, |i| [0.1 * i as f32, 0.3], &mut x);
-            view.encode(&objective, &x, None, &mut rows, stride);
-            seen.push((rows, view.is_free()));
+            view.encode(
+                objective.plane().unwrap(),
+                &x,
+                &free(&objective, &x),
+                None,
+                &mut rows,
+                stride,
+            );
+            seen.push((rows, free(&objective, &x)));
         }
         assert_eq!(seen[0].1, seen[1].1);
         // Where two obstacles are equally near, the gradient may be either's; allow for a few.
@@ -75,13 +99,21 @@ fn look_at(task: &Task, look: Look) -> Vec<f32> {
     let names = ["waypoints", "probes:8x0.5,2", "map:6x16x1"].map(String::from);
     let parts = ViewParts::from_names(&names).unwrap();
     let objective = objective(task, &Profile::DEFAULT);
-    let mut view = WaypointView::new(&parts.probes, &objective, look);
-    let map = TaskMap::new(parts.map.as_ref().unwrap(), &objective).other(&objective, look);
+    let mut view = WaypointView::new(&parts.probes, objective.plane().unwrap(), look);
+    let map = TaskMap::new(parts.map.as_ref().unwrap(), objective.plane().unwrap())
+        .other(objective.plane().unwrap(), look);
     let mut x = vec![0.0; 14];
     objective.straight_line(&mut x);
     let mut rows = vec![0.0; 7 * parts.row_len()];
     for _ in 0..2 {
-        view.encode(&objective, &x, Some(&map), &mut rows, parts.row_len());
+        view.encode(
+            objective.plane().unwrap(),
+            &x,
+            &free(&objective, &x),
+            Some(&map),
+            &mut rows,
+            parts.row_len(),
+        );
         view.apply(&ActionRule::PAPER, |i| [0.1 * i as f32, 0.3], &mut x);
     }
     rows
@@ -93,7 +125,8 @@ fn a_look_is_that_of_another_task() {
         let task = if index % 2 == 0 { candidate(1000, index) } else { varied(1000, index) };
         let [ahead, back, ahead_mirrored, back_mirrored] =
             Look::ALL.map(|look| look_at(&task, look));
-        let reversed = Task { start: task.goal, goal: task.start, ..task.clone() };
+        let (start, goal) = (task.goal.clone(), task.start.clone());
+        let reversed = Task { start, goal, ..task.clone() };
         let mirrored = mirrored(&task);
         let others = [
             (back, look_at(&reversed, Look::default()), 0.15),
@@ -121,8 +154,14 @@ fn both_profiles_look_the_same() {
         objective.straight_line(&mut x);
         let stride = row_len(&probes());
         let mut rows = vec![0.0; 7 * stride];
-        WaypointView::new(&probes(), &objective, Look::default())
-            .encode(&objective, &x, None, &mut rows, stride);
+        WaypointView::new(&probes(), objective.plane().unwrap(), Look::default()).encode(
+            objective.plane().unwrap(),
+            &x,
+            &free(&objective, &x),
+            None,
+            &mut rows,
+            stride,
+        );
         rows
     });
     for (a, b) in rows[0].iter().zip(&rows[1]) {
@@ -135,14 +174,20 @@ fn rows_hold_what_the_table_says() {
     let rect = Rect::new([30.0, 26.0], [34.0, 40.0]).unwrap();
     let bounds = Rect::new([0.0; 2], [64.0; 2]).unwrap();
     let world = Arc::new(World::new(bounds, vec![Obstacle::Rect(rect)], None));
-    let task = Task::new("", world, crate::Robot::Point, [16.0, 32.0], [48.0, 32.0]).unwrap();
-    let objective = Objective::new(&task, Arc::new(Scene::of(&task, &Profile::DEFAULT)), 1);
-    let objective = objective.unwrap();
+    let task = Task::in_plane("", world, crate::Robot::Point, [16.0, 32.0], [48.0, 32.0]).unwrap();
+    let objective = Objective::new(&Query::of(&task, &Profile::DEFAULT), 1).unwrap();
     let probes = Probes::named("probes:4x1").unwrap();
-    let mut view = WaypointView::new(&probes, &objective, Look::default());
+    let mut view = WaypointView::new(&probes, objective.plane().unwrap(), Look::default());
     let mut row = vec![0.0; row_len(&probes)];
     // The one waypoint is at (24, 32): 0.6 from the rectangle, which blocks the segment after it.
-    view.encode(&objective, &[2.4, 3.2], None, &mut row, row_len(&probes));
+    view.encode(
+        objective.plane().unwrap(),
+        &[2.4, 3.2],
+        &[true, false],
+        None,
+        &mut row,
+        row_len(&probes),
+    );
     let expect = [
         0.25,
         0.0,
@@ -179,7 +224,7 @@ fn rows_hold_what_the_table_says() {
     // Probes ahead, left, behind, right: inside the rectangle by 0.2 + .., beside it.
     let ahead = row[36];
     assert!((ahead + 0.0).abs() <= 0.34 && ahead <= 0.0, "{ahead}");
-    assert!(!view.is_free());
+    assert_eq!(free(&objective, &[2.4, 3.2]), [true, false]);
 }
 
 #[test]
@@ -216,13 +261,21 @@ fn gradients_flow_through_the_map() {
     let objective = objective(&task, &Profile::DEFAULT);
     let mut x = vec![0.0; 14];
     objective.straight_line(&mut x);
-    let mut map = TaskMap::new(parts.map.as_ref().unwrap(), &objective);
+    let mut map = TaskMap::new(parts.map.as_ref().unwrap(), objective.plane().unwrap());
     let mut scratch = WaypointScratch::default();
     let stride = net.input_stride();
     let loss = |net: &WaypointNet, map: &mut TaskMap, scratch: &mut WaypointScratch| {
         net.read_map(map.scratch());
-        let mut view = WaypointView::new(&parts.probes, &objective, Look::default());
-        view.encode(&objective, &x, Some(map), scratch.input(7, stride), stride);
+        let mut view =
+            WaypointView::new(&parts.probes, objective.plane().unwrap(), Look::default());
+        view.encode(
+            objective.plane().unwrap(),
+            &x,
+            &free(&objective, &x),
+            Some(map),
+            scratch.input(7, stride),
+            stride,
+        );
         net.forward(scratch, 7);
         (0..7).map(|i| f64::from(scratch.output(i)[0] - 0.5 * scratch.output(i)[1])).sum::<f64>()
     };

@@ -6,9 +6,10 @@
 
 use super::map::bilinear;
 use super::sweeps::{SIDE, Sweeps};
-use crate::objective::Objective;
+use crate::plane::Subject;
 use crate::plane::distance::LANES;
 use crate::profile::NORMALISED_EXTENT;
+use crate::trajectory::waypoints::polyline;
 
 /// Numbers that say what the ways are at a place: the detour, and how far along from start (-1) to goal (1) it is.
 pub(super) const WAYS: usize = 2;
@@ -30,11 +31,11 @@ pub(super) struct Ways {
 }
 
 impl Ways {
-    /// The ways of the objective's task.
-    pub fn new(objective: &Objective) -> Self {
-        let (start, goal) = (objective.start(), objective.goal());
+    /// The ways of the subject's task.
+    pub fn new(subject: Subject<'_>) -> Self {
+        let (start, goal) = (subject.start, subject.goal);
         let length = (goal[0] - start[0]).hypot(goal[1] - start[1]);
-        let scene = objective.scene();
+        let scene = subject.scene;
         let bounds = scene.certifier().bounds();
         let [min, max] = [bounds.min, bounds.max].map(|p| scene.frame().to_normalised(p));
         let width = NORMALISED_EXTENT as f32;
@@ -68,11 +69,11 @@ impl Ways {
             let beyond = (*detour - shortest) * step;
             *detour = 2.0 * beyond / (beyond + DETOUR);
         }
-        let mut route = vec![[0.0; 2]; objective.waypoints()];
+        let mut route = vec![[0.0; 2]; subject.waypoints];
         let points = descend(&sweeps, [place(start), place(goal)]);
         let inner = points.iter().map(|p| [0, 1].map(|a| first[a] + p[a] as f32 * step));
         let corners: Vec<[f32; 2]> = [start].into_iter().chain(inner).chain([goal]).collect();
-        crate::plan::starts::polyline(&corners, &mut route);
+        polyline(2, corners.as_flattened(), route.as_flattened_mut());
         Self {
             first,
             step,
@@ -143,21 +144,21 @@ fn descend(sweeps: &Sweeps, ends: [[f32; 2]; 2]) -> Vec<[usize; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::objective::Objective;
     use crate::plane::shortest_path::Route;
     use crate::profile::Profile;
-    use crate::scene::Scene;
+    use crate::scene::Query;
     use crate::suite::Suite;
-    use std::sync::Arc;
 
     #[test]
     fn ways_are_as_long_as_the_shortest_path() {
         let (mut solvable, mut wrong) = (0, 0);
         for task in Suite::HardTraining.generate(150, 1000, &Profile::PAPER) {
-            let scene = Arc::new(Scene::of(&task, &Profile::DEFAULT));
-            let path = scene.shortest_path().find(task.start, task.goal);
-            let Route::Found { length, .. } = path else { continue };
-            let objective = Objective::new(&task, scene, 200).unwrap();
-            let ways = Ways::new(&objective);
+            let query = Query::of(&task, &Profile::DEFAULT);
+            let path = query.scene().exact(query.start(), query.goal(), &|| true);
+            let Some(Route::Found { length, .. }) = path else { continue };
+            let objective = Objective::new(&query, 200).unwrap();
+            let ways = Ways::new(objective.plane().unwrap());
             let points: Vec<f32> = ways.route().iter().flatten().copied().collect();
             let way = objective.trajectory(&points).length();
             solvable += 1;

@@ -4,17 +4,14 @@
 //! for 10 waypoints), the gradient and obstacle cost (31), or one of the wider observations of its
 //! section III.D.
 
-mod boxes;
-mod image;
-mod waypoint_image;
-
 use crate::error::InvalidInput;
+use crate::network::{FEATURES, IMAGE_SIDE};
 use crate::objective::Objective;
-use crate::plane::world::World;
+use crate::plane::Subject;
+use crate::plane::surroundings::boxes::{self, BoundingBox};
+use crate::plane::surroundings::image::{self, Trail};
+use crate::plane::surroundings::waypoint_image;
 use crate::profile::NORMALISED_EXTENT;
-use boxes::{all_boxes, around, nearest_boxes, obstacle_boxes};
-
-pub use image::IMAGE_SIDE;
 
 /// One part of an observation. N is the number of waypoints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -173,6 +170,25 @@ pub fn image_place(parts: &[ObservationPart], waypoints: usize) -> Option<usize>
     Some(parts[..index].iter().map(|part| part.len(waypoints)).sum())
 }
 
+/// Name of the architecture that reads an observation of these parts: `cnn` where there is an image, else `mlp`.
+pub fn architecture_for(parts: &[ObservationPart]) -> &'static str {
+    if parts.iter().any(ObservationPart::is_image) { "cnn" } else { "mlp" }
+}
+
+/// Sizes of the layers of a network that reads `parts` of so many waypoints, with these hidden layers.
+pub fn sizes_for(
+    parts: &[ObservationPart],
+    waypoints: usize,
+    hidden: &[usize],
+    outputs: usize,
+) -> Vec<usize> {
+    let mut sizes = vec![parts.iter().map(|part| part.len(waypoints)).sum()];
+    sizes.extend(image_place(parts, waypoints).map(|_| FEATURES));
+    sizes.extend_from_slice(hidden);
+    sizes.push(outputs);
+    sizes
+}
+
 /// Writes observations of one task, and remembers what its parts need from earlier steps.
 #[derive(Debug, Clone)]
 pub struct Encoder {
@@ -182,10 +198,10 @@ pub struct Encoder {
     /// The obstacles parts, which do not change during a task.
     obstacles: Vec<f32>,
     nearest: Vec<f32>,
-    boxes: Vec<boxes::Box>,
+    boxes: Vec<BoundingBox>,
     /// The workspace without a trajectory, for the images.
     workspace: Vec<f32>,
-    trail: image::Trail,
+    trail: Trail,
 }
 
 impl Encoder {
@@ -193,12 +209,13 @@ impl Encoder {
     ///
     /// # Errors
     /// If the parts contradict each other or the world has more obstacles than the observation.
-    pub fn new(
-        parts: &[ObservationPart],
-        objective: &Objective,
-        world: &World,
-    ) -> Result<Self, InvalidInput> {
+    pub fn new(parts: &[ObservationPart], objective: &Objective) -> Result<Self, InvalidInput> {
         observation_len(parts, objective.waypoints())?;
+        let plane = |part: &ObservationPart| {
+            let refuse =
+                || InvalidInput::new("observation", part.name(), "parts that need no plane");
+            objective.plane().ok_or_else(refuse)
+        };
         let mut encoder = Self {
             parts: parts.to_vec(),
             previous: vec![],
@@ -206,7 +223,7 @@ impl Encoder {
             nearest: vec![],
             boxes: vec![],
             workspace: vec![],
-            trail: image::Trail::default(),
+            trail: Trail::default(),
         };
         for part in parts {
             match *part {
@@ -214,17 +231,19 @@ impl Encoder {
                     encoder.previous = vec![0.0; count * objective.dim()];
                 }
                 ObservationPart::Obstacles { count } => {
-                    encoder.obstacles = obstacle_boxes(world, objective, count)?;
+                    encoder.obstacles = boxes::obstacle_boxes(plane(part)?, count)?;
                 }
-                ObservationPart::Image => encoder.workspace = image::workspace(world),
+                ObservationPart::Image => {
+                    encoder.workspace = image::workspace(plane(part)?.scene.world());
+                }
                 ObservationPart::WaypointImage => {
-                    encoder.workspace = waypoint_image::depths(objective);
+                    encoder.workspace = waypoint_image::depths(plane(part)?);
                 }
                 ObservationPart::NearestObstacles { count } => {
-                    encoder.nearest = nearest_boxes(world, objective, count)?;
+                    encoder.nearest = boxes::nearest_boxes(plane(part)?, count)?;
                 }
                 ObservationPart::WaypointObstacles { count } => {
-                    encoder.boxes = all_boxes(world, objective, count)?;
+                    encoder.boxes = boxes::all_boxes(plane(part)?, count)?;
                 }
                 _ => {}
             }
@@ -286,42 +305,44 @@ impl Encoder {
                 ObservationPart::NearestObstacles { .. } => part_out.copy_from_slice(&self.nearest),
                 ObservationPart::Image => {
                     part_out.copy_from_slice(&self.workspace);
-                    self.trail.follow(objective, x);
+                    follow(&mut self.trail, objective.plane(), x);
                     self.trail.draw(part_out);
                 }
                 ObservationPart::WaypointImage => {
-                    self.trail.follow(objective, x);
+                    follow(&mut self.trail, objective.plane(), x);
                     waypoint_image::draw(&self.workspace, &self.trail, part_out);
                 }
                 ObservationPart::WaypointObstacles { count } => {
-                    let points = x.as_chunks::<2>().0.iter();
-                    for (&p, out) in points.zip(part_out.chunks_exact_mut(4 * count)) {
-                        around(&self.boxes, p, out);
-                    }
+                    boxes::around_all(&self.boxes, x, *count, part_out);
                 }
                 ObservationPart::Ends => {
-                    let ends = [objective.start(), objective.goal()];
-                    centred_all(objective, ends.as_flattened(), part_out);
+                    let (start, goal) = part_out.split_at_mut(objective.dof());
+                    centred_all(objective, objective.start(), start);
+                    centred_all(objective, objective.goal(), goal);
                 }
             }
         }
     }
 }
 
-/// Half of the field's larger side, in normalised units.
-pub(crate) const HALF_EXTENT: f32 = 0.5 * NORMALISED_EXTENT as f32;
-
-/// A position from the field's centre, in half-extents: in [-1, 1]. Positions of 0 to 6.4 beside gradients of a tenth would
-/// saturate the hidden units, and the gradient would go under (docs/research/wide-observations.md).
-pub(crate) fn centred(objective: &Objective, p: [f32; 2]) -> [f32; 2] {
-    let size = objective.scene().field_size();
-    [0, 1].map(|axis| (p[axis] - 0.5 * size[axis]) / HALF_EXTENT)
+/// Draws the trajectory in the plane; `Encoder::new` refused images of others.
+fn follow(trail: &mut Trail, subject: Option<Subject<'_>>, x: &[f32]) {
+    if let Some(subject) = subject {
+        trail.follow(subject, x);
+    }
 }
 
-fn centred_all(objective: &Objective, points: &[f32], out: &mut [f32]) {
-    let points = points.as_chunks::<2>().0.iter();
-    for (out, &p) in out.as_chunks_mut::<2>().0.iter_mut().zip(points) {
-        *out = centred(objective, p);
+/// Half of the field's larger side, in normalised units.
+const HALF_EXTENT: f32 = 0.5 * NORMALISED_EXTENT as f32;
+
+/// Configurations `[.. x dof]` from the middle of their limits, in half-extents: in [-1, 1]. Positions of 0 to 6.4 beside gradients
+/// of a tenth would saturate the hidden units, and the gradient would go under (docs/research/wide-observations.md).
+fn centred_all(objective: &Objective, x: &[f32], out: &mut [f32]) {
+    let limits = objective.scene().normalised_limits();
+    for (out, p) in out.chunks_exact_mut(limits.len()).zip(x.chunks_exact(limits.len())) {
+        for ((out, p), [least, most]) in out.iter_mut().zip(p).zip(limits) {
+            *out = (p - 0.5 * (least + most)) / HALF_EXTENT;
+        }
     }
 }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::*;
 use crate::plane::geometry::Rect;
 use crate::profile::Profile;
-use crate::scene::Scene;
-use crate::{Grid, Obstacle, Robot, Task};
+use crate::scene::Query;
+use crate::{Grid, Obstacle, Robot, Task, World};
 
 /// A field of 64 x 64 with one square of side 4 at each centre, and the query (4, 32) to (60, 32).
 fn task(centres: &[[f64; 2]], grid: Option<Grid>) -> Task {
@@ -15,13 +15,12 @@ fn task(centres: &[[f64; 2]], grid: Option<Grid>) -> Task {
     };
     let bounds = Rect { min: [0.0; 2], max: [64.0; 2] };
     let world = World::new(bounds, centres.iter().map(square).collect(), grid);
-    Task::new("t", Arc::new(world), Robot::Point, [4.0, 32.0], [60.0, 32.0]).unwrap()
+    Task::in_plane("t", Arc::new(world), Robot::Point, [4.0, 32.0], [60.0, 32.0]).unwrap()
 }
 
 fn observe(task: &Task, parts: &[ObservationPart]) -> Result<Vec<f32>, InvalidInput> {
-    let scene = Arc::new(Scene::of(task, &Profile::DEFAULT));
-    let mut objective = Objective::new(task, scene, 3)?;
-    let mut encoder = Encoder::new(parts, &objective, &task.world)?;
+    let mut objective = Objective::new(&Query::of(task, &Profile::DEFAULT), 3)?;
+    let mut encoder = Encoder::new(parts, &objective)?;
     let (mut x, mut gradient) = (vec![0.0; 6], vec![0.0; 6]);
     objective.straight_line(&mut x);
     objective.cost_and_gradient(&x, &mut gradient);

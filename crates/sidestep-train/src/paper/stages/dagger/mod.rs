@@ -158,7 +158,7 @@ fn roll_in(
                 pair.iter_mut().zip(noise).for_each(|(a, z)| *a += config.noise * z);
             }
         }
-        around.rule.apply(&action, problem.objective.scene().field_size(), &mut x);
+        around.rule.apply(&action, problem.objective.scene().normalised_limits(), &mut x);
     }
     states
 }

@@ -146,7 +146,7 @@ fn walk(
         }
         samples.observations.extend_from_slice(&observation);
         samples.targets.extend_from_slice(&answer);
-        rule.apply(&answer, problem.objective.scene().field_size(), &mut x);
+        rule.apply(&answer, problem.objective.scene().normalised_limits(), &mut x);
     }
     problem.objective.is_feasible(&x).then_some(samples)
 }

@@ -8,17 +8,15 @@
 //! bilinear share of the pixel, so that the picture changes smoothly as a waypoint moves. The larger side of the bounds
 //! fills the image; pixel (column, row) is centred at (column + 0.5, row + 0.5) 64ths of it from the lower left corner.
 
-use crate::objective::Objective;
+use crate::network::IMAGE_SIDE;
+use crate::plane::Subject;
 use crate::plane::world::World;
-
-/// Side of the image, in pixels.
-pub const IMAGE_SIDE: usize = 64;
 
 /// Points drawn between two waypoints.
 const BETWEEN: usize = 7;
 
 /// `[IMAGE_SIDE x IMAGE_SIDE]`: 1 where the pixel's centre lies in an obstacle or outside the bounds, else 0.
-pub(super) fn workspace(world: &World) -> Vec<f32> {
+pub(crate) fn workspace(world: &World) -> Vec<f32> {
     let (bounds, pixel) = (world.bounds(), world.bounds().extent() / IMAGE_SIDE as f64);
     let taken = |index: usize| {
         let (column, row) = (index % IMAGE_SIDE, index / IMAGE_SIDE);
@@ -37,7 +35,7 @@ pub(super) fn workspace(world: &World) -> Vec<f32> {
 
 /// A trajectory as dots to paint, in pixels: (0, 0) is the middle of the first one.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Trail {
+pub(crate) struct Trail {
     /// Place and brightness, from start to goal.
     pub dots: Vec<([f32; 2], f32)>,
     /// Places of the waypoints.
@@ -46,9 +44,9 @@ pub(super) struct Trail {
 
 impl Trail {
     /// Follows the trajectory from start over the waypoints `x [N x 2]` to the goal.
-    pub fn follow(&mut self, objective: &Objective, x: &[f32]) {
-        let frame = objective.scene().frame();
-        let bounds = objective.scene().bounds();
+    pub fn follow(&mut self, subject: Subject<'_>, x: &[f32]) {
+        let frame = subject.scene.frame();
+        let bounds = subject.scene.world().bounds();
         let pixels = IMAGE_SIDE as f64 / bounds.extent();
         let place = |p: [f32; 2]| {
             let p = frame.to_task(p);
@@ -58,8 +56,8 @@ impl Trail {
         self.waypoints.clear();
         let points = x.as_chunks::<2>().0;
         self.waypoints.extend(points.iter().map(|p| place(*p)));
-        let mut from = place(objective.start());
-        let goal = place(objective.goal());
+        let mut from = place(subject.start);
+        let goal = place(subject.goal);
         for (index, &to) in self.waypoints.iter().chain([&goal]).enumerate() {
             for step in 0..=BETWEEN {
                 let t = step as f32 / (BETWEEN + 1) as f32;
@@ -83,7 +81,7 @@ impl Trail {
 
 /// Paints a point over the four pixels around it, those that lie in the square of `side` pixels whose first is the first of
 /// `image`; rows are [`IMAGE_SIDE`] apart.
-pub(super) fn paint(p: [f32; 2], brightness: f32, side: usize, image: &mut [f32]) {
+pub(crate) fn paint(p: [f32; 2], brightness: f32, side: usize, image: &mut [f32]) {
     let corner = p.map(f32::floor);
     let part = [p[0] - corner[0], p[1] - corner[1]];
     let side = 0..side as i64;
@@ -103,9 +101,10 @@ pub(super) fn paint(p: [f32; 2], brightness: f32, side: usize, image: &mut [f32]
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::objective::Objective;
     use crate::plane::geometry::Rect;
     use crate::profile::Profile;
-    use crate::scene::Scene;
+    use crate::scene::Query;
     use crate::{Obstacle, Robot, Task};
     use std::sync::Arc;
 
@@ -121,12 +120,12 @@ mod tests {
         assert_eq!(at(&empty, 0, 32), 1.0, "outside the bounds");
         for profile in [Profile::DEFAULT, Profile::PAPER] {
             let task =
-                Task::new("t", world.clone(), Robot::Point, [2.5, 6.5], [24.5, 6.5]).unwrap();
-            let objective = Objective::new(&task, Arc::new(Scene::of(&task, &profile)), 1).unwrap();
+                Task::in_plane("t", world.clone(), Robot::Point, [2.5, 6.5], [24.5, 6.5]).unwrap();
+            let objective = Objective::new(&Query::of(&task, &profile), 1).unwrap();
             let (mut image, mut trail) = (empty.clone(), Trail::default());
             let mut x = [0.0; 2];
             objective.straight_line(&mut x);
-            trail.follow(&objective, &x);
+            trail.follow(objective.plane().unwrap(), &x);
             trail.draw(&mut image);
             // Start, waypoint and goal lie on pixels' centres: columns 2, 13 and 24 of row 6.
             for (column, value) in [(2, -0.4), (13, -0.7), (24, -1.0)] {
@@ -135,7 +134,7 @@ mod tests {
             }
             assert!((at(&image, 2, 12) - 0.0).abs() < 1e-6 && at(&image, 15, 8) == 1.0);
             let mut moved = empty.clone();
-            trail.follow(&objective, &[x[0] + 0.01, x[1]]);
+            trail.follow(objective.plane().unwrap(), &[x[0] + 0.01, x[1]]);
             trail.draw(&mut moved);
             let change: f32 = image.iter().zip(&moved).map(|(a, b)| (a - b).abs()).sum();
             assert!(change > 0.0 && change < 1.5, "{change}");

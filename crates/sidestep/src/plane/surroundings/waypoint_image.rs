@@ -8,9 +8,10 @@
 //! has the picture in column i mod 4 of row i / 4 from below. Convolutions read an image the same everywhere, so one set of
 //! filters reads the surroundings of all waypoints, and what they find says where it lies from the waypoint.
 
-use super::image::{IMAGE_SIDE, Trail, paint};
+use super::image::{Trail, paint};
 use crate::error::InvalidInput;
-use crate::objective::Objective;
+use crate::network::IMAGE_SIDE;
+use crate::plane::Subject;
 use crate::plane::distance::LANES;
 use crate::profile::NORMALISED_EXTENT;
 
@@ -26,7 +27,7 @@ const KNOWN: usize = IMAGE_SIDE + 2 * AROUND;
 const DEEP: f32 = 10.0;
 
 /// Refuses more waypoints than the image holds.
-pub(super) fn check(waypoints: usize) -> Result<(), InvalidInput> {
+pub(crate) fn check(waypoints: usize) -> Result<(), InvalidInput> {
     if waypoints <= MOST_WAYPOINTS {
         return Ok(());
     }
@@ -35,11 +36,11 @@ pub(super) fn check(waypoints: usize) -> Result<(), InvalidInput> {
 }
 
 /// Depths at the pixels of the workspace image and around it, `[KNOWN x KNOWN]`.
-pub(super) fn depths(objective: &Objective) -> Vec<f32> {
+pub(crate) fn depths(subject: Subject<'_>) -> Vec<f32> {
     const { assert!((KNOWN * KNOWN).is_multiple_of(LANES)) };
     let pixel = NORMALISED_EXTENT as f32 / IMAGE_SIDE as f32;
-    let scene = objective.scene();
-    let first = scene.frame().to_normalised(scene.bounds().min);
+    let scene = subject.scene;
+    let first = scene.frame().to_normalised(scene.world().bounds().min);
     let place =
         |axis: usize, index: usize| first[axis] + pixel * (index as f32 + 0.5 - AROUND as f32);
     let x: Vec<f32> = (0..KNOWN * KNOWN).map(|index| place(0, index % KNOWN)).collect();
@@ -51,7 +52,7 @@ pub(super) fn depths(objective: &Objective) -> Vec<f32> {
 }
 
 /// Draws the pictures of the waypoints of `trail` over `image`, all of it.
-pub(super) fn draw(depths: &[f32], trail: &Trail, image: &mut [f32]) {
+pub(crate) fn draw(depths: &[f32], trail: &Trail, image: &mut [f32]) {
     image.fill(0.0);
     for (index, &at) in trail.waypoints.iter().enumerate() {
         let corner = (index / PER_ROW) * SIDE * IMAGE_SIDE + (index % PER_ROW) * SIDE;
@@ -87,9 +88,10 @@ fn draw_depths(depths: &[f32], at: [f32; 2], image: &mut [f32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::objective::Objective;
     use crate::plane::geometry::Rect;
     use crate::profile::Profile;
-    use crate::scene::Scene;
+    use crate::scene::Query;
     use crate::{Obstacle, Robot, Task, World};
     use std::sync::Arc;
 
@@ -98,15 +100,15 @@ mod tests {
         let bounds = Rect { min: [0.0; 2], max: [64.0; 2] };
         let rect = Rect { min: [20.0, 30.0], max: [30.0, 50.0] };
         let world = Arc::new(World::new(bounds, vec![Obstacle::Rect(rect)], None));
-        let task = Task::new("t", world, Robot::Point, [4.0, 32.0], [60.0, 32.0]).unwrap();
-        let scene = Arc::new(Scene::of(&task, &Profile::PAPER));
-        let points = places.as_chunks::<2>().0.iter();
-        let x: Vec<f32> =
-            points.flat_map(|p| scene.frame().to_normalised(p.map(f64::from))).collect();
-        let objective = Objective::new(&task, scene, x.len() / 2).unwrap();
-        let depths = depths(&objective);
+        let task = Task::in_plane("t", world, Robot::Point, [4.0, 32.0], [60.0, 32.0]).unwrap();
+        let query = Query::of(&task, &Profile::PAPER);
+        let places: Vec<f64> = places.iter().map(|&v| v.into()).collect();
+        let mut x = vec![0.0; places.len()];
+        query.scene().to_normalised(&places, &mut x);
+        let objective = Objective::new(&query, x.len() / 2).unwrap();
+        let depths = depths(objective.plane().unwrap());
         let mut trail = Trail::default();
-        trail.follow(&objective, &x);
+        trail.follow(objective.plane().unwrap(), &x);
         let mut image = vec![9.0; IMAGE_SIDE * IMAGE_SIDE];
         draw(&depths, &trail, &mut image);
         image

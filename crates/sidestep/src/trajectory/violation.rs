@@ -3,7 +3,7 @@
 /// An obstacle of a world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ObstacleId {
-    /// The shape at this index of [`World::obstacles`](crate::World::obstacles).
+    /// The shape at this index of the world's obstacles.
     Shape(usize),
     /// An occupied cell of the world's grid.
     Cell {

@@ -2,15 +2,12 @@
 
 use super::centred;
 use crate::error::InvalidInput;
-use crate::objective::Objective;
+use crate::plane::Subject;
 use crate::plane::world::{Obstacle, World};
 
 /// `[count x 4]` of bounding box centre and size; shapes only, in the world's order.
-pub(super) fn obstacle_boxes(
-    world: &World,
-    objective: &Objective,
-    count: usize,
-) -> Result<Vec<f32>, InvalidInput> {
+pub(crate) fn obstacle_boxes(subject: Subject<'_>, count: usize) -> Result<Vec<f32>, InvalidInput> {
+    let world = subject.scene.world();
     let obstacles = world.obstacles();
     if obstacles.len() > count || world.grid().is_some() {
         let kind = if world.grid().is_some() { "an occupancy grid" } else { "shapes" };
@@ -22,22 +19,18 @@ pub(super) fn obstacle_boxes(
     }
     let mut out = vec![0.0; 4 * count];
     for (obstacle, out) in obstacles.iter().zip(out.chunks_mut(4)) {
-        out.copy_from_slice(&centre_and_size(obstacle, objective));
+        out.copy_from_slice(&centre_and_size(obstacle, subject));
     }
     Ok(out)
 }
 
 /// `[count x 4]`, the boxes nearest to the straight line from start to goal; ties keep the world's order.
-pub(super) fn nearest_boxes(
-    world: &World,
-    objective: &Objective,
-    count: usize,
-) -> Result<Vec<f32>, InvalidInput> {
+pub(crate) fn nearest_boxes(subject: Subject<'_>, count: usize) -> Result<Vec<f32>, InvalidInput> {
+    let world = subject.scene.world();
     refuse_grid(world, "nearest-obstacles", count)?;
     let mut boxes: Vec<[f32; 4]> =
-        world.obstacles().iter().map(|obstacle| centre_and_size(obstacle, objective)).collect();
-    let (start, goal) =
-        (centred(objective, objective.start()), centred(objective, objective.goal()));
+        world.obstacles().iter().map(|obstacle| centre_and_size(obstacle, subject)).collect();
+    let (start, goal) = (centred(subject, subject.start), centred(subject, subject.goal));
     let along = [goal[0] - start[0], goal[1] - start[1]];
     let square = along[0] * along[0] + along[1] * along[1];
     // From the box's centre to the segment; the size is left out, which keeps the order smooth in it.
@@ -62,18 +55,18 @@ fn refuse_grid(world: &World, part: &str, count: usize) -> Result<(), InvalidInp
 }
 
 /// Bounding boxes of a task's obstacles, for [`around`].
-pub(super) fn all_boxes(
-    world: &World,
-    objective: &Objective,
+pub(crate) fn all_boxes(
+    subject: Subject<'_>,
     count: usize,
-) -> Result<Vec<Box>, InvalidInput> {
+) -> Result<Vec<BoundingBox>, InvalidInput> {
+    let world = subject.scene.world();
     refuse_grid(world, "waypoint-obstacles", count)?;
-    let frame = objective.scene().frame();
+    let frame = subject.scene.frame();
     let normalised = |obstacle: &Obstacle| {
         let bounds = obstacle.bounding_box();
         let [min, max] = [bounds.min, bounds.max].map(|p| frame.to_normalised(p));
         let half = |axis: usize| 0.5 * (max[axis] - min[axis]);
-        Box { centre: [0, 1].map(|a| 0.5 * (min[a] + max[a])), half: [half(0), half(1)] }
+        BoundingBox { centre: [0, 1].map(|a| 0.5 * (min[a] + max[a])), half: [half(0), half(1)] }
     };
     Ok(world.obstacles().iter().map(normalised).collect())
 }
@@ -83,12 +76,12 @@ const SCALE: f32 = 0.1;
 
 /// A bounding box, in normalised units.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Box {
+pub(crate) struct BoundingBox {
     centre: [f32; 2],
     half: [f32; 2],
 }
 
-impl Box {
+impl BoundingBox {
     /// Signed distance of a point.
     fn distance(&self, p: [f32; 2]) -> f32 {
         let [u, v] = [0, 1].map(|a| (p[a] - self.centre[a]).abs() - self.half[a]);
@@ -96,9 +89,16 @@ impl Box {
     }
 }
 
+/// What each of the waypoints `x [N x 2]` sees of its `count` nearest boxes, `[N x count x 4]`; see [`around`].
+pub(crate) fn around_all(boxes: &[BoundingBox], x: &[f32], count: usize, out: &mut [f32]) {
+    for (&p, out) in x.as_chunks::<2>().0.iter().zip(out.chunks_exact_mut(4 * count)) {
+        around(boxes, p, out);
+    }
+}
+
 /// Offset to the centre (clamped to 2, in normalised units) and size of the `out.len() / 4` boxes nearest to `p`, nearest first;
 /// zero where there are fewer.
-pub(super) fn around(boxes: &[Box], p: [f32; 2], out: &mut [f32]) {
+fn around(boxes: &[BoundingBox], p: [f32; 2], out: &mut [f32]) {
     out.fill(0.0);
     let mut before = (f32::NEG_INFINITY, 0);
     for out in out.chunks_exact_mut(4) {
@@ -107,7 +107,7 @@ pub(super) fn around(boxes: &[Box], p: [f32; 2], out: &mut [f32]) {
             .filter(|rank| *rank > before)
             .min_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
         let Some(rank) = next else { return };
-        let Box { centre, half } = boxes[rank.1 - 1];
+        let BoundingBox { centre, half } = boxes[rank.1 - 1];
         for axis in 0..2 {
             out[axis] = SCALE * (centre[axis] - p[axis]).clamp(-2.0, 2.0);
             out[2 + axis] = SCALE * 2.0 * half[axis];
@@ -117,8 +117,8 @@ pub(super) fn around(boxes: &[Box], p: [f32; 2], out: &mut [f32]) {
 }
 
 /// Centre and size of an obstacle's bounding box, from the field's centre in half-extents.
-fn centre_and_size(obstacle: &Obstacle, objective: &Objective) -> [f32; 4] {
-    let (frame, bounds) = (objective.scene().frame(), obstacle.bounding_box());
-    let [min, max] = [bounds.min, bounds.max].map(|p| centred(objective, frame.to_normalised(p)));
+fn centre_and_size(obstacle: &Obstacle, subject: Subject<'_>) -> [f32; 4] {
+    let (frame, bounds) = (subject.scene.frame(), obstacle.bounding_box());
+    let [min, max] = [bounds.min, bounds.max].map(|p| centred(subject, frame.to_normalised(p)));
     [0.5 * (min[0] + max[0]), 0.5 * (min[1] + max[1]), max[0] - min[0], max[1] - min[1]]
 }

@@ -1,0 +1,247 @@
+//! The seam between robots and everything above them: what a robot and its surroundings answer about configurations.
+//!
+//! A [`Scene`] is prepared once for a robot, its surroundings and a profile. It is a closed set, and one `match` serves a whole
+//! block of configurations, so that a robot in the plane pays nothing for those with joints. Everything above it (objective,
+//! optimizers, starts, planners, policies that see a whole trajectory) sees flat buffers `[N x dof]`, with `dof` known at
+//! run time. Another kind of robot answers what the methods here ask:
+//!
+//! | asked | for |
+//! | --- | --- |
+//! | `dof`, `limits`, `normalised_limits` | starts, sampling, clipping |
+//! | `to_normalised`, `to_task`, `normalised_length` | optimizers work in normalised units, certificates in task units |
+//! | `epsilon`, `typical_clearance`, `cost_and_slope` | U and ∂U |
+//! | `motion_is_free`, `path_is_free`, `check`, `clearance` | certificates, never by samples |
+//! | `exact` | the shortest path or a proof that there is none, where there is such a search |
+
+mod query;
+mod task;
+
+pub use query::{Query, Refused};
+pub use task::{PlaneTask, Setting, Task};
+
+use crate::kernels::Block;
+use crate::plane::PlaneScene;
+use crate::plane::shortest_path::Route;
+use crate::profile::Profile;
+use crate::trajectory::{Trajectory, Violation};
+
+/// A robot, its surroundings and a profile, prepared for every query there.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Scene {
+    /// A point or disc in the plane.
+    Plane(PlaneScene),
+}
+
+/// A trajectory that is certified free of collision from its task's start to its goal. Only [`Query::certify`] makes one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certified(Trajectory);
+
+impl Certified {
+    /// The trajectory.
+    pub fn trajectory(&self) -> &Trajectory {
+        &self.0
+    }
+
+    /// The trajectory, out of its seal.
+    pub fn into_trajectory(self) -> Trajectory {
+        self.0
+    }
+}
+
+impl Scene {
+    /// Prepares a setting.
+    pub fn new(setting: &Setting, profile: &Profile) -> Self {
+        match setting {
+            Setting::Plane { world, robot } => Self::Plane(PlaneScene::new(world, *robot, profile)),
+        }
+    }
+
+    /// The scene of a task.
+    pub fn of(task: &Task, profile: &Profile) -> Self {
+        Self::new(&task.setting, profile)
+    }
+
+    /// The scene in the plane, where it is one.
+    pub fn plane(&self) -> Option<&PlaneScene> {
+        match self {
+            Self::Plane(plane) => Some(plane),
+        }
+    }
+
+    /// Whether the scene was prepared for the setting.
+    pub fn serves(&self, setting: &Setting) -> bool {
+        match (self, setting) {
+            (Self::Plane(plane), Setting::Plane { world, robot }) => {
+                std::sync::Arc::ptr_eq(plane.world(), world) && plane.robot() == *robot
+            }
+        }
+    }
+
+    /// Coordinates of a configuration.
+    pub fn dof(&self) -> usize {
+        self.limits().len()
+    }
+
+    /// The profile that the scene was prepared for.
+    pub fn profile(&self) -> &Profile {
+        match self {
+            Self::Plane(plane) => plane.profile(),
+        }
+    }
+
+    /// Least and greatest value of each coordinate `[dof]`, in task units.
+    pub fn limits(&self) -> &[[f64; 2]] {
+        match self {
+            Self::Plane(plane) => plane.limits(),
+        }
+    }
+
+    /// Least and greatest value of each coordinate `[dof]`, in normalised units; in the plane those of the bounds.
+    pub fn normalised_limits(&self) -> &[[f32; 2]] {
+        match self {
+            Self::Plane(plane) => plane.normalised_limits(),
+        }
+    }
+
+    /// Configurations `[N x dof]` from task units to normalised units.
+    pub fn to_normalised(&self, from: &[f64], to: &mut [f32]) {
+        match self {
+            Self::Plane(plane) => plane.frame().block_to_normalised(from, to),
+        }
+    }
+
+    /// Configurations `[N x dof]` from normalised units to task units.
+    pub fn to_task(&self, from: &[f32], to: &mut [f64]) {
+        match self {
+            Self::Plane(plane) => plane.frame().block_to_task(from, to),
+        }
+    }
+
+    /// Length of a trajectory in normalised units.
+    pub fn normalised_length(&self, trajectory: &Trajectory) -> f64 {
+        match self {
+            Self::Plane(plane) => trajectory.length() / plane.frame().scale,
+        }
+    }
+
+    /// The clearance ε under which a configuration costs, in normalised units.
+    pub fn epsilon(&self) -> f64 {
+        match self {
+            Self::Plane(plane) => plane.epsilon(),
+        }
+    }
+
+    /// Half the width of a typical passage, in normalised units.
+    pub fn typical_clearance(&self) -> f64 {
+        match self {
+            Self::Plane(plane) => plane.typical_clearance(),
+        }
+    }
+
+    /// Prepares what costs ask for, so that no iteration pays for it.
+    pub(crate) fn prepare_costs(&self) {
+        match self {
+            Self::Plane(plane) => {
+                plane.field();
+            }
+        }
+    }
+
+    /// Obstacle costs of a block of configurations, and where asked for their slopes times weight and `factor`.
+    #[inline(always)]
+    pub(crate) fn cost_and_slope(
+        &self,
+        block: &mut Block,
+        epsilon: f32,
+        factor: f32,
+        slopes: bool,
+    ) {
+        match self {
+            Self::Plane(plane) => plane.cost_and_slope(block, epsilon, factor, slopes),
+        }
+    }
+
+    /// Whether the profile's feasibility check passes the waypoints `x [N x dof]` between two configurations, all in normalised
+    /// units; none where feasible means certified.
+    pub fn is_feasible(&self, start: &[f32], x: &[f32], goal: &[f32]) -> Option<bool> {
+        match self {
+            Self::Plane(plane) => {
+                let check = plane.sampled_check()?;
+                Some(check.is_feasible([start[0], start[1]], x, [goal[0], goal[1]]))
+            }
+        }
+    }
+
+    /// Whether feasible means certified by this profile.
+    pub fn feasible_means_certified(&self) -> bool {
+        match self {
+            Self::Plane(plane) => plane.sampled_check().is_none(),
+        }
+    }
+
+    /// Whether the robot may move straight between two configurations `[dof]`, in task units; from one to itself, whether it
+    /// may be there.
+    #[inline]
+    pub fn motion_is_free(&self, from: &[f64], to: &[f64]) -> bool {
+        match self {
+            Self::Plane(plane) => {
+                plane.certifier().segment_is_free([from[0], from[1]], [to[0], to[1]])
+            }
+        }
+    }
+
+    /// Whether the robot may move from `start` over the waypoints `x [N x dof]`, in normalised units, to `goal`, both `[dof]` and
+    /// in task units. Writes to `free [N + 1]` which segments it may move along; without it the first one that it may not ends
+    /// the check.
+    pub fn path_is_free(
+        &self,
+        start: &[f64],
+        x: &[f32],
+        goal: &[f64],
+        free: Option<&mut [bool]>,
+    ) -> bool {
+        match self {
+            Self::Plane(plane) => {
+                plane.path_is_free([start[0], start[1]], x, [goal[0], goal[1]], free)
+            }
+        }
+    }
+
+    /// Checks a trajectory, its ends first.
+    ///
+    /// # Errors
+    /// The first violation found.
+    pub fn check(&self, trajectory: &Trajectory) -> Result<(), Violation> {
+        match self {
+            Self::Plane(plane) => plane.certifier().check(trajectory),
+        }
+    }
+
+    /// The smallest distance between the swept robot and anything else, in task units.
+    pub fn clearance(&self, trajectory: &Trajectory) -> f64 {
+        match self {
+            Self::Plane(plane) => plane.certifier().clearance(trajectory),
+        }
+    }
+
+    /// The exact answer, where there is a search for it: the shortest path, a proof that there is none, or doubt. Broken off once
+    /// `go_on` is false.
+    pub fn exact(&self, start: &[f64], goal: &[f64], go_on: &dyn Fn() -> bool) -> Option<Route> {
+        match self {
+            Self::Plane(plane) => {
+                let ends = ([start[0], start[1]], [goal[0], goal[1]]);
+                Some(plane.shortest_path().find_while(ends.0, ends.1, go_on))
+            }
+        }
+    }
+}
+
+/// Certifies a trajectory as an answer to a task. To check many, keep a [`Query`].
+///
+/// # Errors
+/// If the trajectory is not certified.
+pub fn certify(task: &Task, trajectory: &Trajectory) -> Result<Certified, Violation> {
+    let scene = std::sync::Arc::new(Scene::of(task, &Profile::DEFAULT));
+    Query::unchecked(scene, task).certify(trajectory.clone()).map_err(|refused| refused.violation)
+}
