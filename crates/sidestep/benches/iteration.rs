@@ -12,7 +12,6 @@ use sidestep::network::Scratch;
 use sidestep::objective::Objective;
 use sidestep::objective::reference;
 use sidestep::optimizer::{Known, Method, Optimizer};
-use sidestep::plane::Subject;
 use sidestep::plane::view::TaskMap;
 use sidestep::policy::observation::Encoder;
 use sidestep::policy::{Policy, PolicyNetwork};
@@ -188,8 +187,14 @@ fn reference(bencher: divan::Bencher, name: &str) {
     bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
         let mut total = 0.0;
         for (objective, x) in batch.objectives.iter().zip(&batch.x) {
-            let Subject { scene, start, goal, .. } = objective.plane().unwrap();
-            total += reference::cost_and_gradient(scene.field(), &profile, start, goal, x).0;
+            let field = objective.plane().unwrap().scene.field();
+            let cost_of = |p: &[f64]| {
+                let (distance, gradient) = field.at([p[0] as f32, p[1] as f32]);
+                let (cost, slope) = reference::clearance_cost(distance.into(), profile.epsilon);
+                (cost, gradient.map(|g| slope * f64::from(g)).to_vec())
+            };
+            let (start, goal) = (objective.start(), objective.goal());
+            total += reference::cost_and_gradient(cost_of, &profile, start, goal, x).0;
         }
         total
     });

@@ -11,8 +11,9 @@
 
 use std::ops::Range;
 
-use super::convolution::{Convolution, Form, Patches};
-use super::mlp::{MAX_PARAMETERS, Mlp, Scratch};
+use super::convolution::{Convolution, Form};
+use super::mlp::{MAX_PARAMETERS, Mlp};
+use super::scratch::Scratch;
 use crate::error::InvalidInput;
 use crate::kernels::Isa;
 
@@ -52,21 +53,6 @@ impl PartialEq for Cnn {
         (&self.sizes, self.image_at) == (&other.sizes, other.image_at)
             && self.parameters == other.parameters
     }
-}
-
-/// What a forward pass leaves for the backward pass.
-#[derive(Debug, Clone, Default)]
-pub(super) struct ImageScratch {
-    /// `[rows x IMAGE]`.
-    images: Vec<f32>,
-    /// Outputs of the convolutions, `[rows x positions x outputs]`.
-    first: Vec<f32>,
-    second: Vec<f32>,
-    others: Vec<f32>,
-    skip: Scratch,
-    patches: Patches,
-    first_slope: Vec<f32>,
-    second_slope: Vec<f32>,
 }
 
 /// One named part of the flat parameters: name, shape, range.

@@ -19,8 +19,8 @@ use crate::error::InvalidInput;
 use crate::kernels::Isa;
 use crate::kernels::dense::{Activation, padded};
 
-use super::cnn::ImageScratch;
 use super::layer::Layer;
+use super::scratch::Scratch;
 
 /// Most parameters that a network may have (256 MB); stops a hostile file before it allocates.
 pub const MAX_PARAMETERS: usize = 1 << 26;
@@ -36,54 +36,6 @@ pub struct Mlp {
 impl PartialEq for Mlp {
     fn eq(&self, other: &Self) -> bool {
         self.sizes == other.sizes && self.parameters == other.parameters
-    }
-}
-
-/// What one forward pass leaves for the backward pass. Reuse it: it only allocates when it grows.
-#[derive(Debug, Clone, Default)]
-pub struct Scratch {
-    rows: usize,
-    outputs: usize,
-    /// Per layer boundary, `[rows x padded(size)]`; the first holds the input.
-    activations: Vec<Vec<f32>>,
-    /// Gradients with respect to `activations`, before the activation function.
-    gradients: Vec<Vec<f32>>,
-    /// What a convolutional network needs besides.
-    pub(super) image: Option<Box<ImageScratch>>,
-}
-
-impl Scratch {
-    /// Rows of the last forward pass.
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Output `[outputs]` of one row of the last forward pass.
-    pub fn output(&self, row: usize) -> &[f32] {
-        match self.activations.last() {
-            Some(last) => &last[row * padded(self.outputs)..][..self.outputs],
-            None => &[],
-        }
-    }
-
-    /// The same, to be added to.
-    pub(super) fn output_mut(&mut self, row: usize) -> &mut [f32] {
-        let (outputs, at) = (self.outputs, row * padded(self.outputs));
-        self.activations.last_mut().map_or(&mut [], |last| &mut last[at..at + outputs])
-    }
-
-    /// Gradient with respect to the inputs, `[rows x padded(inputs)]`, from [`Mlp::input_gradient`].
-    pub fn input_gradient(&self) -> &[f32] {
-        self.gradients.first().map_or(&[], |first| first)
-    }
-
-    fn shape(&mut self, sizes: &[usize], rows: usize) {
-        self.rows = rows;
-        self.outputs = *sizes.last().unwrap_or(&0);
-        self.activations.resize_with(sizes.len(), Vec::new);
-        for (buffer, &size) in self.activations.iter_mut().zip(sizes) {
-            buffer.resize(rows * padded(size), 0.0);
-        }
     }
 }
 

@@ -10,13 +10,15 @@ mod layer;
 mod map_net;
 mod mlp;
 mod neighbours;
+mod scratch;
 mod waypoint_net;
 mod waypoint_shape;
 
 pub use cnn::{Cnn, FEATURES, IMAGE_SIDE, Part};
 pub(crate) use map_net::MAP_INPUTS;
 pub use map_net::{MapScratch, MapShape};
-pub use mlp::{MAX_PARAMETERS, Mlp, Scratch};
+pub use mlp::{MAX_PARAMETERS, Mlp};
+pub use scratch::Scratch;
 pub use waypoint_net::{WaypointNet, WaypointScratch};
 pub use waypoint_shape::{OUTPUTS, WaypointShape};
 

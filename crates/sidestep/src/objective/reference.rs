@@ -1,22 +1,20 @@
-//! The objective once more, plainly: the formula point by point in f64, as documentation and as the
+//! The objective once more, plainly: the formula configuration by configuration in f64, as documentation and as the
 //! slow twin that the fast path ([`crate::objective`]) is tested and timed against.
 
-use crate::plane::distance::Field;
 use crate::profile::{Averaging, Profile};
 
-/// U and its gradient (`[N x 2]`) at the waypoints `x` (`[N x 2]`, normalised units).
+/// U and its gradient (`[N x dof]`) at the waypoints `x` (`[N x dof]`, normalised units) between `start` and `goal` (`[dof]`);
+/// `obstacle_cost` says what a configuration `[dof]` costs, and the derivative of that.
 pub fn cost_and_gradient(
-    field: &Field,
+    obstacle_cost: impl Fn(&[f64]) -> (f64, Vec<f64>),
     profile: &Profile,
-    start: [f32; 2],
-    goal: [f32; 2],
+    start: &[f32],
+    goal: &[f32],
     x: &[f32],
 ) -> (f64, Vec<f64>) {
-    let points: Vec<[f64; 2]> = std::iter::once(&start)
-        .chain(x.as_chunks::<2>().0)
-        .chain([&goal])
-        .map(|p| p.map(f64::from))
-        .collect();
+    let dof = start.len();
+    let values: Vec<f64> = [start, x, goal].concat().into_iter().map(f64::from).collect();
+    let points: Vec<&[f64]> = values.chunks_exact(dof).collect();
     let (n, s) = (points.len() - 2, profile.substeps);
     let (waypoint_weight, substep_weight) = match profile.averaging {
         Averaging::Pooled => {
@@ -26,17 +24,13 @@ pub fn cost_and_gradient(
         Averaging::Grouped => (1.0 / n as f64, 1.0 / ((n + 1) * s) as f64),
     };
     let mut total = 0.0;
-    let mut gradient = vec![0.0; points.len() * 2];
-    let mut add_point = |p: [f64; 2], weight: f64, shares: [(usize, f64); 2]| {
-        let (distance, slope) = field.at(p.map(|v| v as f32));
-        let (cost, cost_slope) = clearance_cost(f64::from(distance), profile.epsilon);
+    let mut gradient = vec![0.0; values.len()];
+    let mut add_point = |p: &[f64], weight: f64, shares: [(usize, f64); 2]| {
+        let (cost, slope) = obstacle_cost(p);
         for (point, share) in shares {
-            for axis in 0..2 {
-                gradient[2 * point + axis] += weight
-                    * share
-                    * cost_slope
-                    * f64::from(slope[axis])
-                    * profile.obstacle_gradient_factor;
+            for k in 0..dof {
+                let factor = profile.obstacle_gradient_factor;
+                gradient[dof * point + k] += weight * share * slope[k] * factor;
             }
         }
         weight * cost
@@ -44,22 +38,23 @@ pub fn cost_and_gradient(
     for i in 0..=n {
         for j in 1..=s {
             let t = j as f64 / (s + 1) as f64;
-            let p = [0, 1].map(|k| points[i][k] + t * (points[i + 1][k] - points[i][k]));
-            total += add_point(p, substep_weight, [(i, 1.0 - t), (i + 1, t)]);
+            let ends = points[i].iter().zip(points[i + 1]);
+            let p: Vec<f64> = ends.map(|(from, to)| from + t * (to - from)).collect();
+            total += add_point(&p, substep_weight, [(i, 1.0 - t), (i + 1, t)]);
         }
         if i < n {
             total += add_point(points[i + 1], waypoint_weight, [(i + 1, 1.0), (i + 1, 0.0)]);
         }
     }
     for i in 0..=n {
-        for axis in 0..2 {
-            let step = points[i + 1][axis] - points[i][axis];
+        for k in 0..dof {
+            let step = points[i + 1][k] - points[i][k];
             total += profile.lambda * step * step;
-            gradient[2 * i + axis] -= 2.0 * profile.lambda * step;
-            gradient[2 * (i + 1) + axis] += 2.0 * profile.lambda * step;
+            gradient[dof * i + k] -= 2.0 * profile.lambda * step;
+            gradient[dof * (i + 1) + k] += 2.0 * profile.lambda * step;
         }
     }
-    (total, gradient[2..2 * (n + 1)].to_vec())
+    (total, gradient[dof..dof * (n + 1)].to_vec())
 }
 
 /// c(D) and dc/dD (paper, section I.A).
@@ -81,7 +76,6 @@ mod tests {
 
     use super::*;
     use crate::objective::Objective;
-    use crate::plane::Subject;
     use crate::plane::geometry::{Circle, ConvexPolygon};
     use crate::scene::{Query, Setting};
     use crate::suite::Suite;
@@ -101,6 +95,19 @@ mod tests {
         task
     }
 
+    /// c at the distance of a place in the plane, and its slope.
+    fn obstacle_cost(
+        objective: &Objective,
+        epsilon: f64,
+    ) -> impl Fn(&[f64]) -> (f64, Vec<f64>) + '_ {
+        let field = objective.plane().unwrap().scene.field();
+        move |p: &[f64]| {
+            let (distance, gradient) = field.at([p[0] as f32, p[1] as f32]);
+            let (cost, slope) = clearance_cost(distance.into(), epsilon);
+            (cost, gradient.map(|g| slope * f64::from(g)).to_vec())
+        }
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
         #[test]
@@ -118,9 +125,9 @@ mod tests {
             x.iter_mut().zip(&offsets).for_each(|(x, o)| *x += o);
             let mut gradient = vec![0.0; 2 * n];
             let cost = objective.cost_and_gradient(&x, &mut gradient).total;
-            let Subject { scene, start, goal, .. } = objective.plane().unwrap();
-            let (expected, slopes) =
-                cost_and_gradient(scene.field(), &profile, start, goal, &x);
+            let cost_of = obstacle_cost(&objective, profile.epsilon);
+            let (start, goal) = (objective.start(), objective.goal());
+            let (expected, slopes) = cost_and_gradient(cost_of, &profile, start, goal, &x);
             prop_assert!((f64::from(cost) - expected).abs() <= 2e-5 * (1.0 + expected));
             prop_assert_eq!(objective.cost(&x).total, cost);
             for (got, expected) in gradient.iter().zip(slopes) {
@@ -142,8 +149,9 @@ mod tests {
             let at = |delta: f32| {
                 let mut moved = x.clone();
                 moved[k] += delta;
-                let Subject { scene, start, goal, .. } = objective.plane().unwrap();
-                cost_and_gradient(scene.field(), &Profile::DEFAULT, start, goal, &moved)
+                let cost_of = obstacle_cost(&objective, Profile::DEFAULT.epsilon);
+                let (start, goal) = (objective.start(), objective.goal());
+                cost_and_gradient(cost_of, &Profile::DEFAULT, start, goal, &moved)
             };
             let h = 2e-3;
             let (low, here, high) = (at(-h), at(0.0), at(h));

@@ -11,9 +11,12 @@
 //! So every task is answered that the exact search decides in the time that there is, and no plan is longer than
 //! [`LONGEST`] times the shortest. Where the search does not decide, the thorough optimizer from random starts follows.
 
-use super::{Options, Origin, Plan, Status, Stop, Watch, optimize, shortest};
 use crate::error::InvalidInput;
 use crate::optimizer::Method;
+use crate::plan::answer::{Origin, Plan, Status};
+use crate::plan::exact::shortest;
+use crate::plan::optimize::optimize;
+use crate::plan::options::{Options, Stop, Watch};
 use crate::plan::smooth::smooth;
 use crate::policy::shipped;
 use crate::scene::Query;

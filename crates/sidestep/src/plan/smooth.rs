@@ -16,7 +16,7 @@
 use crate::error::InvalidInput;
 use crate::objective::Objective;
 use crate::optimizer::{Method, Optimizer};
-use crate::plan::Watch;
+use crate::plan::options::Watch;
 use crate::plan::run::{Iteration, Run, Until, run};
 use crate::profile::{Averaging, MAX_WAYPOINTS};
 use crate::rng::{Purpose, stream};

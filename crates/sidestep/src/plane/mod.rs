@@ -1,6 +1,6 @@
 //! The plane: worlds of shapes and grids, what is exact about them, and what a policy sees of them.
 //!
-//! It alone knows what a [`Point`](geometry::Point) is; everything above it sees configurations as flat buffers.
+//! It alone knows what a [`Point`] is; everything above it sees configurations as flat buffers.
 
 mod bit_grid;
 pub mod certificate;

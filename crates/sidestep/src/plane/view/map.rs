@@ -9,6 +9,7 @@
 //! features at the waypoint and a little ahead, behind and beside it, bilinear between the cells' middles, detour and
 //! place along at the same places, and where on the shortest way a waypoint of its number would lie.
 
+use super::bilinear::{Corners, bilinear};
 use super::coarse;
 use super::look::{Axes, Look};
 use super::ways::{WAYS, Ways};
@@ -212,23 +213,4 @@ fn mix_body<const ISA: u8>(
             *out = sums;
         }
     }
-}
-
-/// Four nodes and their weights.
-type Corners = [(usize, f32); 4];
-
-/// The four nodes around a place in a square of `side` x `side` nodes with their weights.
-#[inline]
-pub(super) fn bilinear(place: [f32; 2], side: usize) -> Corners {
-    let last = (side - 1) as f32;
-    let (x, y) = (place[0].clamp(0.0, last), place[1].clamp(0.0, last));
-    let (column, row) = ((x as usize).min(side - 2), (y as usize).min(side - 2));
-    let (u, v) = (x - column as f32, y - row as f32);
-    let node = row * side + column;
-    [
-        (node, (1.0 - u) * (1.0 - v)),
-        (node + 1, u * (1.0 - v)),
-        (node + side, (1.0 - u) * v),
-        (node + side + 1, u * v),
-    ]
 }

@@ -15,6 +15,7 @@
 //! | R x K | coarse distance at K directions on each of R circles around the waypoint |
 //! | 5 x (C + 2), 2 | of a view with a map ([`TaskMap`]), its features at the waypoint and around it, then the detour through there and how far along it is; offset to the shortest way (x0.6) |
 
+mod bilinear;
 mod look;
 mod map;
 mod parts;

@@ -4,7 +4,7 @@
 //! [`super::sweeps`]. A point on a shortest way has the least sum of the two; what the sum is beyond that is the detour of a way
 //! through the point.
 
-use super::map::bilinear;
+use super::bilinear::bilinear;
 use super::sweeps::{SIDE, Sweeps};
 use crate::plane::Subject;
 use crate::plane::distance::LANES;
