@@ -120,9 +120,7 @@ impl Optimizer {
                 let step = step.unwrap_or(0.1 * default_step);
                 State::Chomp(chomp::Chomp::new(step, waypoints, dof))
             }
-            Method::Lbfgs { memory } => {
-                State::Lbfgs(Box::new(lbfgs::Lbfgs::new(memory, objective)))
-            }
+            Method::Lbfgs { memory } => State::Lbfgs(Box::new(lbfgs::Lbfgs::new(memory, n))),
             Method::Stomp { rollouts, noise } => {
                 State::Stomp(Box::new(stomp::Stomp::new(rollouts, noise, waypoints, dof, rng)?))
             }
@@ -143,7 +141,7 @@ impl Optimizer {
             State::Momentum(momentum) => momentum.step(x, gradient),
             State::Adam(adam) => adam.step(x, gradient),
             State::Chomp(chomp) => chomp.step(x, gradient),
-            State::Lbfgs(lbfgs) => lbfgs.step(x),
+            State::Lbfgs(lbfgs) => lbfgs.step(x, objective),
             State::Stomp(stomp) => stomp.step(x, objective),
             State::Learned(learned) => learned.step(x, gradient, free, objective),
         }
