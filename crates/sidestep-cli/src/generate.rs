@@ -47,8 +47,8 @@ struct Written<'a> {
 
 /// Writes the file.
 pub fn run(args: &GenerateArgs, global: &Global) -> Result<(), Failure> {
-    let suite = Suite::named(&args.suite)?;
-    let profile = Profile::named(&args.profile)?;
+    let suite = args.suite.parse::<Suite>()?;
+    let profile = args.profile.parse::<Profile>()?;
     let format = TaskFormat::from_file_name(&args.out.to_string_lossy())
         .ok_or_else(|| Failure::file(&args.out, "expected a name that ends in .json or .jsonl"))?;
     if !(1..=MAX_COUNT).contains(&args.count) {

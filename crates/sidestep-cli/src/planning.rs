@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clap::Args;
 use sidestep::error::InvalidInput;
 use sidestep::optimizer::Method;
-use sidestep::plan::planner_name::parse_planner;
+use sidestep::plan::parse_planner;
 use sidestep::plan::starts::StartStrategy;
 use sidestep::plan::{Auto, Options, Planner};
 use sidestep::policy::Policy;
@@ -51,7 +51,7 @@ impl PlanningArgs {
             _ => None,
         });
         let default_profile = policy.and_then(|policy| policy.fixed_profile()).unwrap_or("default");
-        let mut profile = Profile::named(self.profile.as_deref().unwrap_or(default_profile))?;
+        let mut profile = self.profile.as_deref().unwrap_or(default_profile).parse::<Profile>()?;
         if let Some(clearance) = self.clearance {
             if !(clearance > 0.0 && clearance <= extent) {
                 let allowed = format!("a number above 0 and at most {extent}, the field's extent");
@@ -64,7 +64,7 @@ impl PlanningArgs {
             profile,
             waypoints: self.waypoints.or(policy.and_then(|policy| policy.fixed_waypoints())),
             starts: self.starts,
-            strategy: StartStrategy::named(&self.start_strategy)?,
+            strategy: self.start_strategy.parse::<StartStrategy>()?,
             steps: self.steps,
             seed: self.seed,
             ..Options::default()

@@ -13,7 +13,8 @@
 use std::sync::Arc;
 
 use sidestep::plane::geometry::Point;
-use sidestep::{Grid, MAX_GRID_CELLS, Robot, Task, World};
+use sidestep::plane::world::MAX_GRID_CELLS;
+use sidestep::{Grid, Robot, Task, World};
 
 use crate::error::{FormatError, Place, quoted};
 

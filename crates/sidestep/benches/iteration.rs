@@ -55,7 +55,7 @@ fn step(objective: &mut Objective, profile: &Profile, x: &mut [f32]) {
 }
 
 fn profile(name: &str) -> Profile {
-    Profile::named(name).unwrap()
+    name.parse::<Profile>().unwrap()
 }
 
 #[divan::bench(args = Profile::NAMES)]

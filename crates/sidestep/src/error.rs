@@ -24,11 +24,28 @@ impl InvalidInput {
         Self { field: field.into(), value: value.to_string(), allowed: allowed.into() }
     }
 
+    /// A name that is none of the known ones, with the nearest one where it may be a slip.
+    pub fn unknown(field: impl Into<String>, name: &str, known: &[&str]) -> Self {
+        let hint = nearest_name(name, known.iter().copied())
+            .map_or_else(String::new, |nearest| format!("; did you mean {nearest}?"));
+        Self::new(field, format!("`{name}`"), format!("one of {}{hint}", known.join(", ")))
+    }
+
     /// The same error with its field placed inside `parent`: `radius` becomes `parent.radius`.
     pub fn inside(mut self, parent: &str) -> Self {
         self.field = format!("{parent}.{}", self.field);
         self
     }
+}
+
+/// The name among `known` nearest to `name` by edit distance, if near enough to suggest.
+pub fn nearest_name<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .into_iter()
+        .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
+        .min_by_key(|(distance, _)| *distance)
+        .filter(|(distance, candidate)| *distance <= candidate.len().max(3) / 2)
+        .map(|(_, candidate)| candidate)
 }
 
 /// Largest magnitude of a coordinate, in task units; squares and sums stay finite in f32 beyond it.

@@ -104,18 +104,19 @@ impl Profile {
         gradient_step: 2.0,
     };
 
-    /// Names that [`Profile::named`] knows.
+    /// Names of the profiles.
     pub const NAMES: [&'static str; 2] = ["default", "paper"];
+}
+
+impl std::str::FromStr for Profile {
+    type Err = InvalidInput;
 
     /// The profile of that name.
-    ///
-    /// # Errors
-    /// If there is none.
-    pub fn named(name: &str) -> Result<Self, InvalidInput> {
+    fn from_str(name: &str) -> Result<Self, InvalidInput> {
         match name {
             "default" => Ok(Self::DEFAULT),
             "paper" => Ok(Self::PAPER),
-            _ => Err(InvalidInput::new("profile", name, Self::NAMES.join(" or "))),
+            _ => Err(InvalidInput::unknown("profile", name, &Self::NAMES)),
         }
     }
 }

@@ -157,7 +157,7 @@ type Groups = Vec<(String, Vec<Task>)>;
 fn task_groups(args: &BenchArgs, global: &Global) -> Result<Groups, Failure> {
     let groups: Groups = match &args.suite {
         Some(suite) => {
-            let suite = Suite::named(suite)?;
+            let suite = suite.parse::<Suite>()?;
             check_count(args)?;
             let draw = |&seed: &u64| {
                 let tasks = draw(&suite, args.count, seed, &Profile::PAPER, global.quiet);

@@ -161,10 +161,10 @@ fn prepare(measures: &[Measure], quiet: bool) -> Result<Vec<Prepared<'_>>, Failu
             None => Arc::new(draw_sets(measure, quiet)?),
         };
         let options = Options {
-            profile: Profile::named(&measure.profile)?,
+            profile: measure.profile.parse::<Profile>()?,
             steps: measure.steps,
             starts: measure.starts,
-            strategy: StartStrategy::named(&measure.start_strategy)?,
+            strategy: measure.start_strategy.parse::<StartStrategy>()?,
             ..Options::default()
         };
         prepared.push(Prepared { measure, options, sets });
@@ -173,7 +173,7 @@ fn prepare(measures: &[Measure], quiet: bool) -> Result<Vec<Prepared<'_>>, Failu
 }
 
 fn draw_sets(measure: &Measure, quiet: bool) -> Result<Vec<TaskSet>, Failure> {
-    let suite = Suite::named(&measure.suite)?;
+    let suite = measure.suite.parse::<Suite>()?;
     let bar = output::progress("tasks", (measure.count * measure.seeds.len()) as u64, quiet);
     let draw = |&seed: &u64| {
         let tasks = suite.generate(measure.count, seed, &Profile::PAPER);
@@ -247,7 +247,7 @@ fn policy_cells(
     for Trained { policy, seconds } in policies {
         let card = policy.card();
         let options = Options {
-            profile: Profile::named(&card.profile)?,
+            profile: card.profile.parse::<Profile>()?,
             waypoints: Some(card.waypoints),
             ..options.clone()
         };

@@ -137,7 +137,7 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
     Ok(match status {
         Status::Solved(_) => 0,
         Status::Invalid(_) => 2,
-        Status::Unsolved(_) | Status::Unsolvable(_) => 1,
+        _ => 1,
     })
 }
 

@@ -15,7 +15,8 @@ mod pgm;
 mod png;
 mod yaml;
 
-use sidestep::{Grid, MAX_GRID_CELLS};
+use sidestep::Grid;
+use sidestep::plane::world::MAX_GRID_CELLS;
 
 use crate::error::{FormatError, Place};
 use yaml::{Header, Mode};

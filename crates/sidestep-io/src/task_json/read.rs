@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use sidestep::plane::geometry::{Circle, ConvexPolygon, Rect};
-use sidestep::{Grid, MAX_GRID_CELLS, Obstacle, Robot, Task, World};
+use sidestep::plane::world::MAX_GRID_CELLS;
+use sidestep::{Grid, Obstacle, Robot, Task, World};
 
 use super::{FORMAT, TASK_FORMAT, TaskFormat, rows};
 use crate::error::{FormatError, Place};

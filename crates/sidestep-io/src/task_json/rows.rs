@@ -1,6 +1,6 @@
 //! A grid's rows as strings: `.` free, `#` occupied, each with an optional repeat count before it.
 
-use sidestep::MAX_GRID_CELLS;
+use sidestep::plane::world::MAX_GRID_CELLS;
 
 /// Rows of at most this many cells are written cell by cell, so that a person sees the map.
 const PLAIN_WIDTH: usize = 128;

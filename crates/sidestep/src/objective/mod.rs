@@ -27,7 +27,7 @@ pub struct Cost {
     pub obstacle: f32,
     /// F_len, not yet weighed by λ.
     pub length: f32,
-    /// U = F_obs + λ F_len.
+    /// U = F_obs + λ F_len, and what costs of one's own add ([`Query::with_cost`]).
     pub total: f32,
 }
 
@@ -260,7 +260,7 @@ fn evaluate_in(
     dof: usize,
     objective: &mut Objective,
     x: &[f32],
-    gradient: Option<&mut [f32]>,
+    mut gradient: Option<&mut [f32]>,
 ) -> Cost {
     let Objective { query, start, goal, epsilon, lambda, fractions, block, .. } = objective;
     let (scene, lambda) = (query.scene(), *lambda);
@@ -277,7 +277,7 @@ fn evaluate_in(
         length += square(&x[i..], &x[i + dof..]);
     }
     length += square(&x[last..], goal);
-    if let Some(gradient) = gradient {
+    if let Some(gradient) = gradient.as_deref_mut() {
         // dF_len/dx_i = 2 (x_i - x_{i-1}) - 2 (x_{i+1} - x_i)
         let slope = |before: f32, at: f32, after: f32| 2.0 * lambda * (2.0 * at - before - after);
         for i in dof..last {
@@ -291,7 +291,11 @@ fn evaluate_in(
         }
         scatter(dof, fractions, block, gradient);
     }
-    Cost { obstacle, length, total: obstacle + lambda * length }
+    let mut total = obstacle + lambda * length;
+    for term in query.terms() {
+        total += term.add([start, x, goal], gradient.as_deref_mut());
+    }
+    Cost { obstacle, length, total }
 }
 
 /// Fills the block's lanes with substeps and waypoints in order. Substeps are written [`AT_ONCE`]; what is too many, the next

@@ -10,7 +10,10 @@ mod gradient_descent;
 mod lbfgs;
 mod learned;
 mod momentum;
+mod own;
 mod stomp;
+
+pub use own::{Own, Step};
 
 use std::sync::Arc;
 
@@ -22,6 +25,7 @@ use crate::policy::Policy;
 
 /// An optimizer and its settings. Steps are in normalised units.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub enum Method {
     /// ξ ← ξ - γ ∂U.
     GradientDescent {
@@ -64,6 +68,8 @@ pub enum Method {
     },
     /// A trained policy.
     Learned(Arc<Policy>),
+    /// One of one's own.
+    Own(Own),
 }
 
 /// What is known of a trajectory when an optimizer steps.
@@ -91,6 +97,7 @@ enum State {
     Lbfgs(Box<lbfgs::Lbfgs>),
     Stomp(Box<stomp::Stomp>),
     Learned(Box<learned::Learned>),
+    Own(own::Steps),
 }
 
 impl Optimizer {
@@ -124,6 +131,7 @@ impl Optimizer {
             Method::Stomp { rollouts, noise } => {
                 State::Stomp(Box::new(stomp::Stomp::new(rollouts, noise, waypoints, dof, rng)?))
             }
+            Method::Own(ref own) => State::Own(own.begin(objective)),
             Method::Learned(ref policy) => {
                 State::Learned(Box::new(learned::Learned::new(policy.clone(), objective, rng)?))
             }
@@ -144,6 +152,7 @@ impl Optimizer {
             State::Lbfgs(lbfgs) => lbfgs.step(x, objective),
             State::Stomp(stomp) => stomp.step(x, objective),
             State::Learned(learned) => learned.step(x, gradient, free, objective),
+            State::Own(own) => own.step(x, known, objective),
         }
     }
 

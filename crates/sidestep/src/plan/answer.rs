@@ -6,6 +6,7 @@ use crate::trajectory::{Trajectory, Violation};
 
 /// How a planning question was answered.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Status {
     /// A trajectory that is certified free of collision.
     Solved(Certified),
@@ -41,6 +42,7 @@ impl Status {
 
 /// Why no certified plan was found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Reason {
     /// The optimizer spent its steps on a trajectory that still collides.
     #[error("{steps} steps from {starts} start(s) spent; {violation}")]
@@ -130,6 +132,7 @@ impl Plan {
 
 /// Where a plan comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Origin {
     /// An optimizer from the straight line or the given warm start.
     FirstStart,

@@ -10,7 +10,8 @@ mod auto;
 mod exact;
 mod optimize;
 mod options;
-pub mod planner_name;
+pub(crate) mod parallel;
+mod planner;
 pub mod rrt_connect;
 pub mod run;
 pub mod smooth;
@@ -19,32 +20,17 @@ pub mod starts;
 pub use answer::{Origin, Plan, Reason, Status};
 pub use auto::Auto;
 pub use options::{MAX_STARTS, MAX_STEPS, Options, Stop, Watch};
+pub use planner::{PLANNERS, Planner, parse_planner};
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use crate::error::InvalidInput;
-use crate::optimizer::Method;
 use crate::plan::exact::shortest;
 use crate::plan::optimize::optimize;
 use crate::plan::rrt_connect::{RrtConnect, RrtRun};
 use crate::plane::shortest_path::Route;
 use crate::rng::{Purpose, stream};
 use crate::scene::{Query, Scene, Task};
-
-/// How to look for a plan.
-#[derive(Debug, Clone)]
-pub enum Planner {
-    /// An optimizer from one or more starts.
-    Optimizer(Method),
-    /// RRT-Connect with shortcutting.
-    RrtConnect(RrtConnect),
-    /// The exact shortest path.
-    ShortestPath,
-    /// Optimizers; where those fail or find a detour, the exact shortest path made smooth.
-    Auto(Auto),
-}
 
 /// Plans one task.
 ///
@@ -64,18 +50,16 @@ pub fn plan_batch(
     planner: &Planner,
     options: &Options,
 ) -> Result<Vec<Plan>, InvalidInput> {
-    let plans: Result<Vec<Vec<Plan>>, _> = by_setting(tasks)
-        .into_par_iter()
-        .map(|(first, neighbours)| {
-            let scene = Arc::new(Scene::of(&neighbours[0], &options.profile));
-            let plan_one = |(offset, task)| {
-                let options = Options { index: (first + offset) as u64, ..options.clone() };
-                plan_in(&Query::new(&scene, task)?, planner, &options, Watch::NONE)
-            };
-            neighbours.par_iter().enumerate().map(plan_one).collect()
+    let runs = by_setting(tasks);
+    let plan_run = |run: usize| {
+        let (first, neighbours) = runs[run];
+        let scene = Arc::new(Scene::of(&neighbours[0], &options.profile));
+        parallel::map(neighbours.len(), |offset| {
+            let options = Options { index: (first + offset) as u64, ..options.clone() };
+            plan_in(&Query::new(&scene, &neighbours[offset])?, planner, &options, Watch::NONE)
         })
-        .collect();
-    Ok(plans?.into_iter().flatten().collect())
+    };
+    parallel::map(runs.len(), plan_run).into_iter().flatten().collect()
 }
 
 /// The runs of neighbouring tasks that have their setting in common, and so a [`Scene`], each

@@ -1,12 +1,11 @@
 //! An optimizer from one or more starts: the certified plan of least U.
 
-use rayon::prelude::*;
-
 use crate::error::InvalidInput;
 use crate::objective::Objective;
 use crate::optimizer::{Method, Optimizer};
 use crate::plan::answer::{Origin, Plan, Reason, Status};
 use crate::plan::options::{Options, Stop, Watch};
+use crate::plan::parallel;
 use crate::plan::run::{Iteration, Run, Until, run};
 use crate::rng::{Purpose, stream};
 use crate::scene::{Query, Refused};
@@ -43,8 +42,8 @@ pub(super) fn optimize(
     if options.stop == Stop::First && first.run.best.is_some() || options.starts == 1 {
         return Ok(chosen(&objective, options, vec![first]));
     }
-    let other = |start: usize| attempt(&mut objective.clone(), start);
-    let others: Result<Vec<_>, _> = (1..options.starts).into_par_iter().map(other).collect();
+    let other = |index: usize| attempt(&mut objective.clone(), index + 1);
+    let others: Result<Vec<_>, _> = parallel::map(options.starts - 1, other).into_iter().collect();
     let attempts = std::iter::once(first).chain(others?).collect();
     Ok(chosen(&objective, options, attempts))
 }

@@ -11,6 +11,7 @@ use crate::trajectory::waypoints::polyline;
 
 /// How random start trajectories are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum StartStrategy {
     /// The straight line every time.
     Line,
@@ -35,24 +36,6 @@ impl StartStrategy {
         ("random", Self::Random),
         ("paper", Self::Paper),
     ];
-
-    /// The strategy of that name.
-    ///
-    /// # Errors
-    /// If there is none.
-    pub fn named(name: &str) -> Result<Self, InvalidInput> {
-        Self::NAMES
-            .iter()
-            .find(|(known, _)| *known == name)
-            .map(|&(_, strategy)| strategy)
-            .ok_or_else(|| {
-                InvalidInput::new(
-                    "start-strategy",
-                    name,
-                    Self::NAMES.map(|(known, _)| known).join(", "),
-                )
-            })
-    }
 
     /// The strategy's name.
     pub fn name(&self) -> &'static str {
@@ -91,6 +74,24 @@ impl StartStrategy {
                 }
             }
         }
+    }
+}
+
+impl std::str::FromStr for StartStrategy {
+    type Err = InvalidInput;
+
+    /// The strategy of that name.
+    fn from_str(name: &str) -> Result<Self, InvalidInput> {
+        let found = Self::NAMES.iter().find(|(known, _)| *known == name);
+        let names = Self::NAMES.map(|(known, _)| known);
+        let unknown = || InvalidInput::unknown("start-strategy", name, &names);
+        found.map(|&(_, strategy)| strategy).ok_or_else(unknown)
+    }
+}
+
+impl std::fmt::Display for StartStrategy {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
     }
 }
 

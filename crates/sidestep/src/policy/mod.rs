@@ -48,7 +48,7 @@ pub struct PolicyCard {
     pub sizes: Vec<usize>,
     /// Waypoints N of the trajectories that it updates; a `waypoint` network was trained mostly for so many.
     pub waypoints: usize,
-    /// Names of the observation's parts, in order; see [`ObservationPart::named`] and [`ViewParts::from_names`].
+    /// Names of the observation's parts, in order; see [`ObservationPart`] and [`ViewParts::from_names`].
     pub observation: Vec<String>,
     /// Name of the profile that it was trained in; an `mlp` serves no other.
     pub profile: String,
@@ -287,7 +287,7 @@ fn check_card(card: &PolicyCard) -> Result<(), InvalidInput> {
         let allowed = format!("{MLP}, {CNN} or {WAYPOINT}");
         return Err(InvalidInput::new("policy.architecture", &card.architecture, allowed));
     }
-    Profile::named(&card.profile).map_err(|error| error.inside("policy"))?;
+    card.profile.parse::<Profile>().map_err(|error| error.inside("policy"))?;
     if !(1..=MAX_WAYPOINTS).contains(&card.waypoints) {
         let allowed = format!("a number from 1 to {MAX_WAYPOINTS}");
         return Err(InvalidInput::new("policy.waypoints", card.waypoints, allowed));
@@ -318,7 +318,7 @@ fn check_waypoint(card: &PolicyCard) -> Result<(ViewParts, WaypointShape), Inval
 /// The parts of the observation of a card of the architectures [`MLP`] and [`CNN`].
 fn check_whole(card: &PolicyCard) -> Result<Vec<ObservationPart>, InvalidInput> {
     let named: Result<Vec<_>, _> =
-        card.observation.iter().map(|name| ObservationPart::named(name)).collect();
+        card.observation.iter().map(|name| name.parse::<ObservationPart>()).collect();
     let parts = named.map_err(|error| error.inside("policy"))?;
     let length = observation_len(&parts, card.waypoints).map_err(|error| error.inside("policy"))?;
     let expected = architecture_for(&parts);

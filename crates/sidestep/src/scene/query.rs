@@ -13,6 +13,28 @@ pub struct Query {
     scene: Arc<Scene>,
     start: Vec<f64>,
     goal: Vec<f64>,
+    terms: Vec<CostTerm>,
+}
+
+/// A cost of one's own, added to U: see [`Query::with_cost`].
+#[derive(Clone)]
+pub struct CostTerm(Arc<TermFunction>);
+
+/// From start `[dof]`, waypoints `[N x dof]` and goal `[dof]`, in normalised units, to a cost; its slopes are added to the gradient
+/// `[N x dof]`, where there is one.
+type TermFunction = dyn Fn([&[f32]; 3], Option<&mut [f32]>) -> f32 + Send + Sync;
+
+impl std::fmt::Debug for CostTerm {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("CostTerm(..)")
+    }
+}
+
+impl CostTerm {
+    /// The cost of the waypoints `x [N x dof]`; adds its slopes to `gradient [N x dof]`.
+    pub fn add(&self, [start, x, goal]: [&[f32]; 3], gradient: Option<&mut [f32]>) -> f32 {
+        self.0([start, x, goal], gradient)
+    }
 }
 
 /// A trajectory that is not certified.
@@ -43,7 +65,25 @@ impl Query {
     }
 
     pub(super) fn unchecked(scene: Arc<Scene>, task: &Task) -> Self {
-        Self { scene, start: task.start.clone(), goal: task.goal.clone() }
+        Self { scene, start: task.start.clone(), goal: task.goal.clone(), terms: Vec::new() }
+    }
+
+    /// The same question with a cost of one's own in U besides obstacles and length. `term` sees start `[dof]`, waypoints `[N x dof]`
+    /// and goal `[dof]` in normalised units, returns what they cost, and adds the slopes of that to the gradient `[N x dof]`
+    /// where there is one. What is certified does not change, only what is preferred; planners that use no gradient
+    /// of U (the shipped policies, RRT-Connect, the exact search) see it only where they choose between plans by U.
+    /// `examples/own_cost.rs` is one.
+    pub fn with_cost(
+        mut self,
+        term: impl Fn([&[f32]; 3], Option<&mut [f32]>) -> f32 + Send + Sync + 'static,
+    ) -> Self {
+        self.terms.push(CostTerm(Arc::new(term)));
+        self
+    }
+
+    /// Costs of one's own.
+    pub fn terms(&self) -> &[CostTerm] {
+        &self.terms
     }
 
     /// The scene.

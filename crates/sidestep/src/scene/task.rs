@@ -9,6 +9,7 @@ use crate::plane::world::World;
 
 /// Which robot moves, and among what. Shared, so that many queries on one map cost one map.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Setting {
     /// A point or disc that translates in the plane; its configuration is `[x, y]`.
     Plane {

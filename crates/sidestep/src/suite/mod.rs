@@ -10,10 +10,10 @@ pub mod queries;
 use std::sync::Arc;
 
 use rand::RngExt;
-use rayon::prelude::*;
 
 use crate::error::InvalidInput;
 use crate::objective::Objective;
+use crate::plan::parallel;
 use crate::plane::Robot;
 use crate::plane::certificate::Certifier;
 use crate::plane::geometry::{Point, Rect};
@@ -24,6 +24,7 @@ use crate::scene::{Query, Setting, Task};
 
 /// A named distribution of tasks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Suite {
     /// Every candidate.
     Easy,
@@ -58,16 +59,6 @@ impl Suite {
         ("varied", Self::Varied),
     ];
 
-    /// The suite of that name.
-    ///
-    /// # Errors
-    /// If there is none.
-    pub fn named(name: &str) -> Result<Self, InvalidInput> {
-        Self::NAMES.iter().find(|(known, _)| *known == name).map(|&(_, suite)| suite).ok_or_else(
-            || InvalidInput::new("suite", name, Self::NAMES.map(|(known, _)| known).join(", ")),
-        )
-    }
-
     /// The suite's name.
     pub fn name(&self) -> &'static str {
         Self::NAMES.iter().find(|(_, suite)| suite == self).map_or("", |&(name, _)| name)
@@ -90,8 +81,10 @@ impl Suite {
         kept: &(dyn Fn() + Sync),
     ) -> Vec<Task> {
         let every = |draw: fn(u64, u64) -> Task| {
-            let tasks = (0..count).into_par_iter().map(|i| draw(seed, i as u64));
-            tasks.inspect(|_| kept()).collect()
+            parallel::map(count, |i| {
+                kept();
+                draw(seed, i as u64)
+            })
         };
         match self {
             Self::Easy => every(candidate),
@@ -120,13 +113,14 @@ impl Suite {
         while tasks.len() < count {
             // Batches only spread the work; which candidates pass does not depend on their size.
             let batch = 256.max(2 * (count - tasks.len()) as u64);
-            let passed: Vec<Task> = (next..next + batch)
-                .into_par_iter()
-                .map(|i| candidate(seed, i))
-                .filter(|task| self.keeps(task, profile))
-                .inspect(|_| kept())
-                .collect();
-            tasks.extend(passed);
+            let passed = parallel::map(batch as usize, |i| {
+                let task = candidate(seed, next + i as u64);
+                self.keeps(&task, profile).then(|| {
+                    kept();
+                    task
+                })
+            });
+            tasks.extend(passed.into_iter().flatten());
             next += batch;
         }
         tasks.truncate(count);
@@ -141,6 +135,23 @@ impl Suite {
             Self::HardTraining => !outcome.feasible_at_end,
             Self::Time => outcome.first_feasible.is_some_and(|step| (11..=100).contains(&step)),
         }
+    }
+}
+
+impl std::str::FromStr for Suite {
+    type Err = InvalidInput;
+
+    /// The suite of that name.
+    fn from_str(name: &str) -> Result<Self, InvalidInput> {
+        let found = Self::NAMES.iter().find(|(known, _)| *known == name);
+        let unknown = || InvalidInput::unknown("suite", name, &Self::NAMES.map(|(known, _)| known));
+        found.map(|&(_, suite)| suite).ok_or_else(unknown)
+    }
+}
+
+impl std::fmt::Display for Suite {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
     }
 }
 

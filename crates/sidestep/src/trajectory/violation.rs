@@ -2,6 +2,7 @@
 
 /// An obstacle of a world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ObstacleId {
     /// The shape at this index of the world's obstacles.
     Shape(usize),
@@ -25,6 +26,7 @@ impl std::fmt::Display for ObstacleId {
 
 /// The first reason found why a trajectory is not certified.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Violation {
     /// There is no point at all.
     #[error("the trajectory is empty")]

@@ -31,11 +31,11 @@ pub(crate) struct Setup {
 impl Setup {
     /// Checks `config`.
     pub fn new(config: TrainConfig) -> Result<Self, InvalidInput> {
-        let profile = Profile::named(&config.profile)?;
+        let profile = config.profile.parse::<Profile>()?;
         let parts: Vec<ObservationPart> = config
             .observation
             .iter()
-            .map(|name| ObservationPart::named(name))
+            .map(|name| name.parse::<ObservationPart>())
             .collect::<Result<_, _>>()?;
         let observation = observation_len(&parts, profile.waypoints)?;
         check_numbers(&config)?;
@@ -49,10 +49,16 @@ impl Setup {
         training_seed("training.seed", config.training.seed)?;
         validation_seed("validation.seed", config.validation.seed)?;
         let validation =
-            Suite::named(&config.validation.suite).map_err(|error| error.inside("validation"))?;
-        let starts = StartStrategy::named(&config.cloning.starts)
+            config.validation.suite.parse::<Suite>().map_err(|error| error.inside("validation"))?;
+        let starts = config
+            .cloning
+            .starts
+            .parse::<StartStrategy>()
             .map_err(|error| InvalidInput::new("cloning.starts", error.value, error.allowed))?;
-        let dagger_starts = StartStrategy::named(&config.dagger.starts)
+        let dagger_starts = config
+            .dagger
+            .starts
+            .parse::<StartStrategy>()
             .map_err(|error| InvalidInput::new("dagger.starts", error.value, error.allowed))?;
         let environment = &config.environment;
         let action = ActionRule {

@@ -93,7 +93,7 @@ pub struct EnvironmentConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ValidationConfig {
-    /// A suite that `Suite::named` knows.
+    /// The name of a suite.
     pub suite: String,
     /// How many tasks; 0 for no validation.
     pub count: usize,

@@ -40,7 +40,7 @@ pub struct CloningConfig {
     pub samples_per_task: usize,
     /// Step gamma of the gradient descent that is cloned.
     pub step: f32,
-    /// How trajectories are drawn: a name that [`StartStrategy::named`] knows.
+    /// How trajectories are drawn: the name of a [`StartStrategy`].
     pub starts: String,
     /// Samples per optimizer step.
     pub minibatch: usize,

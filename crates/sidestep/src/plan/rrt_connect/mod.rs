@@ -31,7 +31,7 @@ pub struct RrtConnect {
     pub shortcut_rounds: usize,
 }
 
-/// Measured on 4,947 solvable tasks of the paper's kind (`examples/exact_timing.rs`): steps of 0.1,
+/// Measured on 4,947 solvable tasks of the paper's kind (`benches/exact_timing.rs`): steps of 0.1,
 /// 0.2, 0.4 and 1 solve all but at most one. The shorter the step, the shorter the paths (1.06,
 /// 1.08, 1.10 and 1.11 of the shortest on average) and the longer the 95th percentile of the time
 /// (34, 25, 24 and 20 us).

@@ -78,11 +78,35 @@ impl ObservationPart {
         }
     }
 
+    /// How many numbers the part takes for `waypoints` waypoints.
+    pub fn len(&self, waypoints: usize) -> usize {
+        match self {
+            Self::Gradient | Self::Trajectory => 2 * waypoints,
+            Self::ObstacleCost => waypoints + 1,
+            Self::PreviousGradients { count } => count * 2 * waypoints,
+            Self::Obstacles { count } | Self::NearestObstacles { count } => 4 * count,
+            Self::WaypointObstacles { count } => 4 * count * waypoints,
+            Self::Ends => 4,
+            Self::Image | Self::WaypointImage => IMAGE_SIDE * IMAGE_SIDE,
+        }
+    }
+
+    /// Never: each part holds at least one number.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Whether it is an image, which convolutions read.
+    pub fn is_image(&self) -> bool {
+        matches!(self, Self::Image | Self::WaypointImage)
+    }
+}
+
+impl std::str::FromStr for ObservationPart {
+    type Err = InvalidInput;
+
     /// The part of that name.
-    ///
-    /// # Errors
-    /// If there is none, or its number is out of range.
-    pub fn named(name: &str) -> Result<Self, InvalidInput> {
+    fn from_str(name: &str) -> Result<Self, InvalidInput> {
         let refuse = |allowed: String| InvalidInput::new("observation", name, allowed);
         let (word, number) = match name.split_once(':') {
             Some((word, number)) => (word, Some(number)),
@@ -114,28 +138,11 @@ impl ObservationPart {
             )),
         }
     }
+}
 
-    /// How many numbers the part takes for `waypoints` waypoints.
-    pub fn len(&self, waypoints: usize) -> usize {
-        match self {
-            Self::Gradient | Self::Trajectory => 2 * waypoints,
-            Self::ObstacleCost => waypoints + 1,
-            Self::PreviousGradients { count } => count * 2 * waypoints,
-            Self::Obstacles { count } | Self::NearestObstacles { count } => 4 * count,
-            Self::WaypointObstacles { count } => 4 * count * waypoints,
-            Self::Ends => 4,
-            Self::Image | Self::WaypointImage => IMAGE_SIDE * IMAGE_SIDE,
-        }
-    }
-
-    /// Never: each part holds at least one number.
-    pub fn is_empty(&self) -> bool {
-        false
-    }
-
-    /// Whether it is an image, which convolutions read.
-    pub fn is_image(&self) -> bool {
-        matches!(self, Self::Image | Self::WaypointImage)
+impl std::fmt::Display for ObservationPart {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.name())
     }
 }
 

@@ -120,7 +120,7 @@ fn names_read_back_and_a_part_appears_once() {
         ObservationPart::Image,
     ];
     for part in parts.into_iter().chain([ObservationPart::WaypointImage]) {
-        assert_eq!(ObservationPart::named(&part.name()), Ok(part));
+        assert_eq!(part.name().parse::<ObservationPart>(), Ok(part));
     }
     let both = [ObservationPart::WaypointImage, ObservationPart::Gradient, ObservationPart::Image];
     assert_eq!(image_place(&both, 10), Some(0));
@@ -140,7 +140,7 @@ fn names_read_back_and_a_part_appears_once() {
         "nearest-obstacles:0",
         "waypoint-obstacles:65",
     ] {
-        let message = ObservationPart::named(wrong).unwrap_err().to_string();
+        let message = wrong.parse::<ObservationPart>().unwrap_err().to_string();
         assert!(message.contains(wrong), "{message}");
     }
 }

@@ -1,5 +1,5 @@
 //! Times the networks: inference alone and in a batch, and a training step (forward, backward, Adam of policy and value) at minibatch 64.
-//! Best of 20 rounds on one thread: `cargo run --release -p sidestep --example network_timing [HIDDEN..]`.
+//! Best of 20 rounds on one thread: `cargo bench -p sidestep --bench network_timing -- [HIDDEN..]`.
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a measurement's output")]
 
 use std::hint::black_box;
@@ -57,7 +57,7 @@ impl Trained {
 }
 
 fn main() {
-    let given: Vec<usize> = std::env::args().skip(1).map(|arg| arg.parse().unwrap()).collect();
+    let given: Vec<usize> = std::env::args().skip(1).filter_map(|arg| arg.parse().ok()).collect();
     for hidden in if given.is_empty() { vec![64, 128, 256] } else { given } {
         let mut policy = Trained::new(&[20, hidden, hidden, 20]);
         let mut value = Trained::new(&[20, hidden, hidden, 1]);

@@ -1,14 +1,62 @@
-//! Planner names as people type them: `gd`, `gd:step=0.5`, `stomp:rollouts=32,noise=0.3`,
+//! Planners, and their names as people type them: `gd`, `gd:step=0.5`, `stomp:rollouts=32,noise=0.3`,
 //! `learned:PATH`, `auto`.
 
 use std::sync::Arc;
 
 use crate::error::InvalidInput;
 use crate::optimizer::Method;
+use crate::plan::auto::Auto;
+use crate::plan::options::Options;
 use crate::plan::rrt_connect::RrtConnect;
-use crate::plan::{Auto, Planner};
 use crate::policy::Policy;
 use crate::policy::shipped;
+use crate::profile::Profile;
+
+/// How to look for a plan.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Planner {
+    /// An optimizer from one or more starts.
+    Optimizer(Method),
+    /// RRT-Connect with shortcutting.
+    RrtConnect(RrtConnect),
+    /// The exact shortest path.
+    ShortestPath,
+    /// Optimizers; where those fail or find a detour, the exact shortest path made smooth.
+    Auto(Auto),
+}
+
+impl Default for Planner {
+    /// [`Auto`] with the shipped policies.
+    fn default() -> Self {
+        Self::Auto(Auto::default())
+    }
+}
+
+impl Planner {
+    /// The default options; with the profile and the number of waypoints that the planner's policy is bound to, if it is.
+    ///
+    /// # Errors
+    /// If the policy names a profile that there is not.
+    pub fn options(&self) -> Result<Options, InvalidInput> {
+        let policy = self.policy();
+        let profile = match policy.and_then(Policy::fixed_profile) {
+            Some(name) => name.parse()?,
+            None => Profile::DEFAULT,
+        };
+        let waypoints = policy.and_then(Policy::fixed_waypoints);
+        Ok(Options { profile, waypoints, ..Options::default() })
+    }
+
+    /// The policy that it plans with, where a trained one was given.
+    pub fn policy(&self) -> Option<&Policy> {
+        match self {
+            Self::Optimizer(Method::Learned(policy))
+            | Self::Auto(Auto { quick: Method::Learned(policy), .. }) => Some(policy),
+            _ => None,
+        }
+    }
+}
 
 /// Every planner name with its options and what it is, for help and suggestions.
 pub const PLANNERS: [(&str, &str, &str); 14] = [
@@ -28,16 +76,6 @@ pub const PLANNERS: [(&str, &str, &str); 14] = [
     ("auto-with", "PATH", "auto, with a trained policy as its optimizer"),
 ];
 
-/// The name among `known` nearest to `name` by edit distance, if near enough to suggest.
-pub fn nearest_name<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    known
-        .into_iter()
-        .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
-        .min_by_key(|(distance, _)| *distance)
-        .filter(|(distance, candidate)| *distance <= candidate.len().max(3) / 2)
-        .map(|(_, candidate)| candidate)
-}
-
 /// Parses a planner name; `load` reads the policy at a path.
 ///
 /// # Errors
@@ -56,13 +94,7 @@ pub fn parse_planner(
     }
     let Some((_, known, _)) = PLANNERS.iter().find(|(planner, ..)| *planner == name) else {
         let names = PLANNERS.map(|(planner, ..)| planner);
-        let hint = nearest_name(name, names)
-            .map_or_else(String::new, |nearest| format!("; did you mean {nearest}?"));
-        return Err(InvalidInput::new(
-            "planner",
-            format!("`{text}`"),
-            format!("one of {}{hint}", names.join(", ")),
-        ));
+        return Err(InvalidInput::unknown("planner", text, &names));
     };
     let options = Settings::parse(name, rest, known)?;
     let optimizer = |method| Ok(Planner::Optimizer(method));
@@ -96,6 +128,18 @@ pub fn parse_planner(
             }
             Ok(Planner::RrtConnect(rrt))
         }
+    }
+}
+
+impl std::str::FromStr for Planner {
+    type Err = InvalidInput;
+
+    /// A planner that needs no file: `auto`, `gd:step=0.5`, .. For `learned:PATH`, see [`parse_planner`].
+    fn from_str(text: &str) -> Result<Self, InvalidInput> {
+        parse_planner(text, &mut |path| {
+            let allowed = "a planner without a file; parse_planner reads policies";
+            Err(InvalidInput::new("planner", format!("`{path}`"), allowed))
+        })
     }
 }
 

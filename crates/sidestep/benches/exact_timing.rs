@@ -1,6 +1,6 @@
 //! Prints what the exact machinery costs on random tasks of the paper's kind.
 //!
-//! `cargo run --release -p sidestep --example exact_timing`
+//! `cargo bench -p sidestep --bench exact_timing`
 #![allow(clippy::print_stdout, reason = "an example prints its findings")]
 
 use std::hint::black_box;
@@ -9,9 +9,10 @@ use std::time::Instant;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use sidestep::plan::rrt_connect::RrtConnect;
 use sidestep::plane::geometry::{Point, Rect};
 use sidestep::profile::Profile;
-use sidestep::{Certifier, Obstacle, Query, Robot, Route, RrtConnect, ShortestPath, Task, World};
+use sidestep::{Certifier, Obstacle, Query, Robot, Route, ShortestPath, Task, World};
 
 /// Random tasks for each measurement.
 const TASKS: usize = 5000;
