@@ -139,7 +139,7 @@ fn flags() {
         ("plan free.json --planner gd:step=x", &["planner.gd.step", "`x`", "a number"]),
         ("plan free.json --planner momentum:decay=1", &["planner.momentum.decay", "0.999"]),
         ("plan free.json --planner stomp:rollouts=0", &["planner.stomp.rollouts", "from 1"]),
-        ("plan free.json --profile papr", &["profile", "papr", "default or paper"]),
+        ("plan free.json --profile papr", &["profile", "papr", "one of default, paper"]),
         ("plan free.json --start-strategy zigzag", &["zigzag", "via-point"]),
         ("plan free.json --starts 0", &["starts", "0", "1 to 1000000"]),
         ("plan free.json --starts -1", &["--starts", "-1"]),

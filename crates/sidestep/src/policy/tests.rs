@@ -94,7 +94,7 @@ fn contradictions_name_both_sides() {
     };
     check(changed(|d| d["format"] = "sidestep.policy/2".into()), "expected sidestep.policy/1");
     check(changed(|d| d["architecture"] = "conv".into()), "policy.architecture: conv");
-    check(changed(|d| d["profile"] = "papr".into()), "policy.profile: papr");
+    check(changed(|d| d["profile"] = "papr".into()), "policy.profile: `papr`");
     check(changed(|d| d["waypoints"] = 12.into()), "[37, .., 24]");
     check(changed(|d| d["waypoints"] = 0.into()), "policy.waypoints: 0");
     check(changed(|d| d["waypoints"] = u64::MAX.into()), "policy.waypoints");

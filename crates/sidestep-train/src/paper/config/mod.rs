@@ -226,14 +226,14 @@ mod tests {
         check("[ppo]\nschedule = \"linaer\"", "config, line 2: unknown variant `linaer`");
         check("[ppo]\nsteps = 1000000\nenvironments = 1000000", "environments x steps");
         check("[ppo]\nenvironments = 0", "ppo.environments: 0");
-        check("profile = \"papr\"", "profile: papr");
+        check("profile = \"papr\"", "profile: `papr`");
         check("observation = [\"gradent\"]", "observation: gradent");
         check("observation = []", "at least one part");
         check("observation = [1]", "a list of texts");
         check("[training]\nseed = 2", "training.seed: 2");
         check("[training]\nsuite = \"time\"", "easy, hard or mix");
         check("[validation]\nseed = 2", "validation.seed: 2");
-        check("[validation]\nsuite = \"eazy\"", "validation.suite: eazy");
+        check("[validation]\nsuite = \"eazy\"", "validation.suite: `eazy`");
         check("[cloning]\nstarts = \"lnie\"", "cloning.starts: lnie");
         check("observation = [\"image\", \"image\"]", "each kind of part once");
         check("observation = [\"image\", \"waypoint-image\"]", "one image");
