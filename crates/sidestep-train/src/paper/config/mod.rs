@@ -234,7 +234,7 @@ mod tests {
         check("[training]\nsuite = \"time\"", "easy, hard or mix");
         check("[validation]\nseed = 2", "validation.seed: 2");
         check("[validation]\nsuite = \"eazy\"", "validation.suite: `eazy`");
-        check("[cloning]\nstarts = \"lnie\"", "cloning.starts: lnie");
+        check("[cloning]\nstarts = \"lnie\"", "cloning.starts: `lnie`");
         check("observation = [\"image\", \"image\"]", "each kind of part once");
         check("observation = [\"image\", \"waypoint-image\"]", "one image");
         check("[dagger]\nexpert = \"shortest\"", "unknown variant `shortest`");
@@ -242,7 +242,7 @@ mod tests {
             "[dagger]\nbeta = 1.5",
             "dagger.beta: 1.5 is not allowed; expected a number from 0 to 1",
         );
-        check("[dagger]\nstarts = \"lnie\"", "dagger.starts: lnie");
+        check("[dagger]\nstarts = \"lnie\"", "dagger.starts: `lnie`");
         check("[expert]\nrate = 0", "expert.rate: 0");
         check("[repair]\nafter = 0", "repair.after: 0");
         check(
