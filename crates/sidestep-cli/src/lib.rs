@@ -16,6 +16,7 @@ mod oracle;
 mod output;
 mod plan;
 mod planning;
+mod source;
 mod table;
 mod threads;
 mod train;

@@ -9,6 +9,7 @@ use sidestep::plan::by_setting;
 use sidestep::plane::points;
 use sidestep::plane::shortest_path::{Route, ShortestPath};
 use sidestep::{InvalidInput, PlaneTask, Task};
+use sidestep_io::input::Question;
 
 use crate::Global;
 use crate::failure::Failure;
@@ -41,7 +42,8 @@ struct Answer {
 
 /// Answers every task.
 pub fn run(args: &OracleArgs, global: &Global) -> Result<(), Failure> {
-    let tasks = input::read(&args.tasks, &args.from, (None, None), args.seed)?;
+    let question = Question { seed: args.seed, ..Question::default() };
+    let tasks = input::read(&args.tasks, &args.from, question)?.tasks;
     let bar = output::progress("exact shortest paths", tasks.len() as u64, global.quiet);
     let answers: Result<Vec<Vec<Answer>>, InvalidInput> = by_setting(&tasks)
         .into_par_iter()

@@ -110,7 +110,8 @@ pub fn load_policy(path: &Path) -> Result<Policy, InvalidInput> {
             "a policy file (.safetensors)",
         )
     };
-    let bytes = std::fs::read(path).map_err(|error| describe("file", error.to_string()))?;
+    let bytes =
+        crate::source::companion(path).map_err(|error| describe("file", error.to_string()))?;
     Policy::from_safetensors(&bytes).map_err(|error| InvalidInput {
         field: format!("{}: {}", path.display(), error.field),
         ..error

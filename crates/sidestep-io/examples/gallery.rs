@@ -153,8 +153,8 @@ fn rectangles(text: &str) -> Result<Picture, Box<dyn Error>> {
 
 fn office(examples: &Path) -> Result<Picture, Box<dyn Error>> {
     let yaml = fs::read_to_string(examples.join("office.yaml"))?;
-    let grid = ros_map::read(&yaml, Unknown::Occupied, |name| fs::read(examples.join(name)))?;
-    let task =
-        Task::in_plane("office", grid_world(grid), Robot::disc(0.25)?, [2.0, 3.8], [18.3, 8.4])?;
+    let map = ros_map::read(&yaml, Unknown::Occupied, |name| fs::read(examples.join(name)))?;
+    let world = grid_world(map.grid);
+    let task = Task::in_plane("office", world, Robot::disc(0.25)?, [2.0, 3.8], [18.3, 8.4])?;
     Ok(Picture::new().panel(TaskPanel::new(task.plane()?)))
 }

@@ -66,19 +66,22 @@ impl fmt::Display for Place {
 }
 
 impl FormatError {
-    /// An error of `format` at `place`.
+    /// An error of `format` at `place`. What was found is cut to a length that a person reads.
     pub fn new(
         format: &'static str,
         place: Place,
         found: impl fmt::Display,
         expected: impl Into<String>,
     ) -> Self {
-        Self { format, place, found: found.to_string(), expected: expected.into() }
+        Self { format, place, found: cut(found.to_string(), 300), expected: expected.into() }
     }
 }
 
 /// The known name nearest to `name` by edit distance, if any is near enough to be a slip.
 pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    if name.len() > LONGEST_WORD {
+        return None;
+    }
     let distance = |k: &str| strsim::damerau_levenshtein(&name.to_lowercase(), k);
     known
         .iter()
@@ -88,11 +91,32 @@ pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
         .map(|(_, k)| k)
 }
 
+/// Characters of a word from a file that a message repeats.
+const LONGEST_WORD: usize = 60;
+
 /// A text from a file, quoted for a message and cut to a length that a person reads.
 pub(crate) fn quoted(text: &str) -> String {
-    const LONGEST: usize = 60;
-    match text.char_indices().nth(LONGEST) {
+    match text.char_indices().nth(LONGEST_WORD) {
         Some((cut, _)) => format!("{:?}...", &text[..cut]),
         None => format!("{text:?}"),
     }
+}
+
+/// A key from a file: as it is if it is a short word, otherwise quoted and cut.
+pub(crate) fn plain_or_quoted(key: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "_-.:/ ".contains(c);
+    if !key.is_empty() && key.len() <= LONGEST_WORD && key.chars().all(plain) {
+        key.to_owned()
+    } else {
+        quoted(key)
+    }
+}
+
+/// A text of at most `longest` characters, its end replaced by dots where it is longer.
+fn cut(mut text: String, longest: usize) -> String {
+    if let Some((end, _)) = text.char_indices().nth(longest) {
+        text.truncate(end);
+        text.push_str("...");
+    }
+    text
 }

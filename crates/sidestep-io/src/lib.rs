@@ -5,9 +5,11 @@
 
 pub mod benchmarks;
 mod error;
+pub mod input;
 mod json;
 pub mod movingai;
 pub mod picture;
+pub mod plan_json;
 pub mod robots;
 pub mod ros_map;
 pub mod task_json;

@@ -17,6 +17,7 @@ use sidestep::plane::world::MAX_GRID_CELLS;
 use sidestep::{Grid, Robot, Task, World};
 
 use crate::error::{FormatError, Place, quoted};
+use crate::input::{decode, without_mark};
 
 const MAP: &str = "MovingAI map";
 const SCEN: &str = "MovingAI scen";
@@ -73,6 +74,8 @@ impl Query {
 /// If the header or a row is not what the format allows; a declared size is held against the file's
 /// real size before anything is allocated for it.
 pub fn read_map(bytes: &[u8]) -> Result<Grid, FormatError> {
+    let text = decode(MAP, bytes)?;
+    let bytes = text.as_bytes();
     let mut lines = bytes.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii_end).enumerate();
     let (mut width, mut height) = (None, None);
     loop {
@@ -171,7 +174,7 @@ fn size(place: Place, field: &str, value: &str) -> Result<usize, FormatError> {
 /// spaces, or a cell lies outside the declared size.
 pub fn read_scen(text: &str) -> Result<Vec<Query>, FormatError> {
     let mut queries = Vec::new();
-    for (index, line) in text.lines().enumerate() {
+    for (index, line) in without_mark(text).lines().enumerate() {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words.as_slice() {
             [] => {}

@@ -9,15 +9,20 @@ use refusal::check_refused;
 use sidestep::Robot;
 use sidestep_io::benchmarks::{barn, mpnet::Simple2d};
 
+fn robot(robot_radius: f64) -> barn::Question {
+    barn::Question { robot_radius, ..barn::Question::default() }
+}
+
 #[test]
 fn barn_and_mpnet_files() {
     let text = r#"{"start": [-2, 3], "goal": [-2, 13],
         "worlds": {"10": [[-1, 5, 0.075]], "2": [[-4, 1, 0.5], [0, 1, 0.5]]}}"#;
-    let tasks = barn::read(text, 0.2).unwrap();
+    let tasks = barn::read(text, &robot(0.2)).unwrap();
     let names: Vec<&str> = tasks.iter().map(|task| task.name.as_str()).collect();
     assert_eq!(names, ["barn/2", "barn/10"]);
-    assert_eq!(tasks[0].plane().unwrap().world.bounds().min, [-5.0, 0.0]);
-    assert_eq!(tasks[0].plane().unwrap().world.bounds().max, [1.0, 13.7]);
+    // Past the cylinders twice the radius and 0.5, past the ends once and 0.5.
+    assert_eq!(tasks[0].plane().unwrap().world.bounds().min, [-5.4, -0.4]);
+    assert_eq!(tasks[0].plane().unwrap().world.bounds().max, [1.4, 13.7]);
     for (from, to, message) in [
         (
             "0.075",
@@ -25,13 +30,13 @@ fn barn_and_mpnet_files() {
             "BARN worlds, line 2, column 27, worlds.10[0]: found -1; expected a number above 0",
         ),
         ("0.075", "1, 2", "worlds.10[0]: found an array of 4; expected a cylinder [x, y, radius]"),
-        ("\"10\"", "\"ten\"", "worlds.ten: found ten; expected a world's number"),
+        ("\"10\"", "\"ten\"", "worlds.ten: found \"ten\"; expected a world's number"),
         ("start", "begin", "found no field \"start\""),
     ] {
-        check_refused(barn::read(&text.replace(from, to), 0.2), message);
+        check_refused(barn::read(&text.replace(from, to), &robot(0.2)), message);
     }
     check_refused(
-        barn::read(text, -1.0),
+        barn::read(text, &robot(-1.0)),
         "robot.radius: found -1; expected a number of at least 0",
     );
 
@@ -68,7 +73,7 @@ fn barn_and_mpnet_files() {
 proptest! {
     #[test]
     fn no_bytes_make_a_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
-        let _ = barn::read(&String::from_utf8_lossy(&bytes), 0.1);
+        let _ = barn::read(&String::from_utf8_lossy(&bytes), &robot(0.1));
         let _ = Simple2d::read(&bytes, &bytes);
     }
 }

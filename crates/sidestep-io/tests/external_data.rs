@@ -55,7 +55,7 @@ fn ros_warehouse() {
     let Some(folder) = folder("ros_warehouse") else { return };
     let yaml = fs::read_to_string(folder.join("ros/warehouse.yaml")).unwrap();
     let load = |name: &str| fs::read(folder.join("ros").join(name));
-    let grid = ros_map::read(&yaml, Unknown::Occupied, load).unwrap();
+    let grid = ros_map::read(&yaml, Unknown::Occupied, load).unwrap().grid;
     assert_eq!((grid.width(), grid.height(), grid.resolution()), (1006, 1674, 0.03));
     assert_eq!(grid.origin(), [-15.1, -25.0]);
     let occupied = grid.cells().iter().filter(|&&cell| cell).count();
@@ -67,7 +67,8 @@ fn ros_warehouse() {
 fn barn_worlds() {
     let Some(folder) = folder("barn_worlds") else { return };
     let text = fs::read_to_string(folder.join("barn.json")).unwrap();
-    let tasks = barn::read(&text, 0.25).unwrap();
+    let question = barn::Question { robot_radius: 0.25, ..barn::Question::default() };
+    let tasks = barn::read(&text, &question).unwrap();
     assert_eq!(tasks.len(), 150);
     for task in &tasks {
         let task = task.plane().unwrap();

@@ -177,7 +177,8 @@ fn the_committed_map_is_this_drawing() {
     }
     let yaml = fs::read_to_string(examples.join("office.yaml")).unwrap();
     for (unknown, free) in [(Unknown::Occupied, &[FREE][..]), (Unknown::Free, &[FREE, UNKNOWN])] {
-        let grid = ros_map::read(&yaml, unknown, |name| fs::read(examples.join(name))).unwrap();
+        let grid =
+            ros_map::read(&yaml, unknown, |name| fs::read(examples.join(name))).unwrap().grid;
         assert_eq!((grid.width(), grid.height(), grid.resolution()), (WIDTH, HEIGHT, CELL));
         let rows = pixels.chunks(WIDTH).rev().flatten();
         let drawn: Vec<bool> = rows.map(|pixel| !free.contains(pixel)).collect();

@@ -24,7 +24,7 @@ fn drawn(grid: &Grid) -> Vec<String> {
 }
 
 fn ros(yaml: &str, image: &[u8], unknown: Unknown) -> Result<Grid, FormatError> {
-    ros_map::read(yaml, unknown, |_| Ok(image.to_vec()))
+    ros_map::read(yaml, unknown, |_| Ok(image.to_vec())).map(|map| map.grid)
 }
 
 #[test]
@@ -102,21 +102,37 @@ fn bad_ros_yaml() {
         ),
         ("resolution: 0.05", "resolution: 0", "resolution: found 0; expected a number above 0"),
         ("resolution: 0.05", "resolution: -1", "resolution: found -1; expected a number above 0"),
-        ("resolution: 0.05", "resolution: .nan", "resolution: found NaN; expected a finite number"),
-        ("resolution: 0.05", "resolution: .inf", "resolution: found inf; expected a finite number"),
+        (
+            "resolution: 0.05",
+            "resolution: .nan",
+            "resolution: found \".nan\"; expected a finite number",
+        ),
+        (
+            "resolution: 0.05",
+            "resolution: .inf",
+            "resolution: found \".inf\"; expected a finite number",
+        ),
         (
             "resolution: 0.05",
             "resolution: fine",
-            "ROS map YAML, line 2, column 13: found a fault (invalid floating point); expected the fields image",
+            "ROS map YAML, line 2, column 13, resolution: found \"fine\"; expected a finite number",
         ),
         (
             "[-1.0, 2.5, 0.0]",
             "[-1.0, 2.5, 0.1]",
-            "origin[2] (yaw): found 0.1; expected 0: a turned map is not supported",
+            "origin[2] (yaw): found 0.1; expected a multiple of a quarter turn",
         ),
-        ("[-1.0, 2.5, 0.0]", "[-1.0, 2.5]", "origin: found 2 numbers; expected [x, y, yaw]"),
-        ("[-1.0, 2.5, 0.0]", "[.nan, 2.5, 0]", "origin[0]: found NaN; expected a finite number"),
-        ("negate: 0", "negate: 2", "negate: found 2; expected 0 or 1"),
+        (
+            "[-1.0, 2.5, 0.0]",
+            "[-1.0]",
+            "line 3, column 9, origin: found 1 numbers; expected [x, y, yaw]",
+        ),
+        (
+            "[-1.0, 2.5, 0.0]",
+            "[.nan, 2.5, 0]",
+            "origin[0]: found \".nan\"; expected a finite number",
+        ),
+        ("negate: 0", "negate: 2", "negate: found 2; expected 0, 1, true or false"),
         (
             "occupied_thresh: 0.65",
             "occupied_thresh: 65",
@@ -138,11 +154,11 @@ fn bad_ros_yaml() {
             "mode: found \"trinar\"; expected trinary, scale, raw (did you mean trinary?)",
         ),
         ("image", "- image", "ROS map YAML, line 1, column 1: found a fault ("),
-        ("negate: 0", "negate: [0]", "(negate must be 0, 1, true or false)"),
+        ("negate: 0", "negate: [0]", "negate: found a fault ("),
         (
             "image",
             "negate: 1\nimage",
-            "line 5, column 1: found a fault (duplicate mapping key: negate);",
+            "line 5, column 1, negate: found a fault (duplicate mapping key: negate);",
         ),
     ] {
         assert!(YAML.contains(from), "{from}");
@@ -192,6 +208,18 @@ fn bad_images() {
             b"P2 2 1 255 1 300",
             "found the value 300 at column 1, row 0; expected at most the largest value, 255",
         ),
+        (b"P2 2 1 255 1 2 3", "found 1 bytes after the last pixel"),
+        (
+            b"P5 2 1 255 abc",
+            "found 1 bytes after the last pixel; expected as many pixels as the header",
+        ),
+        (
+            b"P5\r\n2 1\r\n255\r\na",
+            "found 1 bytes after a header that ends in CR LF; expected 2 bytes",
+        ),
+        // Where the pixels begin cannot be told.
+        (b"P5 2 1 255 # of\nabc", "found 6 bytes too many, before or after the pixels"),
+        (b"P5 2 1 255\n\na\n", "found 1 bytes too many, before or after the pixels"),
         (b"P2 2 1 255 1 x", "found \"x\" at byte 13; expected a pixel"),
         (&huge_png, "found 16383 x 16383 pixels in a file of"),
     ] {

@@ -101,11 +101,11 @@ const TABLE: &[(&str, Verdict)] = &[
     ),
     (
         r#""obstacles": [{"polygon": [[0, 0], [1, 1]]}]"#,
-        Bad("obstacles[0].polygon: found 2 vertices; expected at least 3"),
+        Bad("obstacles[0].polygon: found 2 different vertices; expected at least 3"),
     ),
     (
         r#""obstacles": [{"polygon": [[0, 0], [1, 1], [2, 2]]}]"#,
-        BadBeyondSchema("obstacles[0].polygon: found 3 vertices that are not convex"),
+        BadBeyondSchema("obstacles[0].polygon: found 3 vertices on one line"),
     ),
     (
         r#""robot": "disc""#,

@@ -18,6 +18,7 @@ use sidestep::plane::shortest_path::{Route, ShortestPath};
 use sidestep::profile::Profile;
 use sidestep::suite::Suite;
 use sidestep::{InvalidInput, Task};
+use sidestep_io::input::Question;
 
 use crate::Global;
 use crate::failure::Failure;
@@ -172,7 +173,8 @@ fn task_groups(args: &BenchArgs, global: &Global) -> Result<Groups, Failure> {
         }
         None => {
             let read = |path: PathBuf| {
-                let tasks = input::read(&path, &args.from, (None, None), args.planning.seed)?;
+                let question = Question { seed: args.planning.seed, ..Question::default() };
+                let tasks = input::read(&path, &args.from, question)?.tasks;
                 let label =
                     path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into());
                 Ok((label, selection(tasks, args)))

@@ -3,8 +3,9 @@
 use sidestep::plane::shortest_path::{Route, ShortestPath};
 use sidestep::{PlaneTask, Task, Trajectory};
 use sidestep_io::picture::{Picture, TaskPanel};
+use sidestep_io::plan_json::TraceStep;
 
-use super::{Attempt, PlanArgs, Step};
+use super::{Attempt, PlanArgs};
 use crate::failure::Failure;
 use crate::output;
 
@@ -45,7 +46,8 @@ fn panel(task: PlaneTask<'_>, attempt: &Attempt, shortest: &Route) -> TaskPanel 
         panel = panel.shade(|p| f64::from(field.at(frame.to_normalised(p)).0).min(1.0));
     }
     if !steps.is_empty() {
-        let first: Vec<&Step> = steps.iter().filter(|step| step.start == steps[0].start).collect();
+        let first: Vec<&TraceStep> =
+            steps.iter().filter(|step| step.start == steps[0].start).collect();
         let stride = first.len().div_ceil(MOST_ITERATES).max(1);
         let iterates: Vec<Trajectory> = first
             .iter()

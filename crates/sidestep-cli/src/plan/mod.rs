@@ -5,8 +5,6 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use serde::Serialize;
-use sidestep::error::MAX_COORDINATE;
 use sidestep::objective::Objective;
 use sidestep::plan::run::Iteration;
 use sidestep::plan::{Plan, Planner, Status, Stop, Watch, plan_in};
@@ -14,10 +12,12 @@ use sidestep::plane::geometry::Point;
 use sidestep::plane::points;
 use sidestep::scene::Query;
 use sidestep::{InvalidInput, Task, Trajectory};
+use sidestep_io::input::Question;
+use sidestep_io::plan_json::{self, PlanDocument, TraceStep};
 
 use crate::Global;
 use crate::failure::Failure;
-use crate::input::{self, InputArgs, parse_point};
+use crate::input::{self, Input, InputArgs, parse_point};
 use crate::output;
 use crate::planning::{PlanningArgs, planner, policy_file};
 
@@ -73,42 +73,12 @@ pub struct PlanArgs {
     trace: bool,
 }
 
-/// The result as JSON.
-#[derive(Serialize)]
-struct Answer {
-    status: &'static str,
-    reason: String,
-    task: String,
-    planner: String,
-    /// What made the plan: which start, or the exact search. None without a plan.
-    origin: Option<String>,
-    iterations: usize,
-    time_us: f64,
-    length: Option<f64>,
-    optimal_length: Option<f64>,
-    clearance: Option<f64>,
-    certified: bool,
-    waypoints: Vec<Point>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    trace: Option<Vec<Step>>,
-}
-
-/// One iterate.
-#[derive(Serialize, Clone)]
-pub struct Step {
-    start: usize,
-    iteration: usize,
-    objective: f32,
-    obstacle_cost: f32,
-    length_cost: f32,
-    certified: bool,
-    waypoints: Vec<Point>,
-}
-
 /// Plans, prints and draws.
 pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
-    let ends = (args.start, args.goal);
-    let mut tasks = input::read(&args.input, &args.from, ends, args.planning.seed)?;
+    let (start, goal, clearance) = (args.start, args.goal, args.margin);
+    let seed = args.planning.seed;
+    let question = Question { start, goal, clearance, seed, ..Question::default() };
+    let Input { mut tasks, warnings } = input::read(&args.input, &args.from, question)?;
     if args.index >= tasks.len() {
         let count = tasks.len();
         return Err(Failure::at("--index", format!("{} of {count} tasks, from 0", args.index)));
@@ -126,10 +96,12 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
         draw::pictures(args, &task, std::iter::once(&attempt).chain(&others))?;
     }
     let status = attempt.plan.status.clone();
-    let answer = answer(args, &task, attempt);
-    let written = args.out.as_ref().map_or(Ok(()), |path| output::write_json(path, &answer));
+    let answer = PlanDocument { warnings, ..answer(args, &task, attempt) };
+    let text = answer.to_json();
+    let written =
+        args.out.as_ref().map_or(Ok(()), |path| output::write_file(path, text.as_bytes()));
     if global.json {
-        output::print_json(&answer)?;
+        output::print(&text)?;
     } else {
         output::print(&describe(&answer))?;
     }
@@ -163,7 +135,7 @@ pub struct Attempt {
     query: Query,
     plan: Plan,
     time: Duration,
-    trace: Vec<Step>,
+    trace: Vec<TraceStep>,
     deadline: Option<Instant>,
 }
 
@@ -218,12 +190,12 @@ fn is_time_left(deadline: Option<Instant>) -> bool {
 }
 
 /// An iterate in task units. Methods that do not use U leave it to be computed here.
-fn step(query: &Query, iteration: &Iteration<'_>) -> Step {
+fn step(query: &Query, iteration: &Iteration<'_>) -> TraceStep {
     let objective = Objective::new(query, iteration.waypoints.len() / query.scene().dof()).ok();
     let cost = iteration.cost.or_else(|| Some(objective.clone()?.cost(iteration.waypoints)));
     let cost = cost.unwrap_or_default();
     let trajectory = objective.map(|objective| objective.trajectory(iteration.waypoints));
-    Step {
+    TraceStep {
         start: iteration.start,
         iteration: iteration.index,
         objective: cost.total,
@@ -234,12 +206,12 @@ fn step(query: &Query, iteration: &Iteration<'_>) -> Step {
     }
 }
 
-fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> Answer {
+fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> PlanDocument {
     let Attempt { planner, query, plan, time, trace, deadline } = attempt;
     let certified = plan.certified();
     let go_on = || is_time_left(deadline);
     let optimal = || query.scene().exact(query.start(), query.goal(), &go_on)?.length();
-    Answer {
+    PlanDocument {
         status: plan.status.name(),
         reason: plan.status.reason(),
         task: task.name.clone(),
@@ -251,13 +223,14 @@ fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> Answer {
         optimal_length: certified.and_then(|_| optimal()),
         clearance: certified.map(|path| query.scene().clearance(path)),
         certified: certified.is_some(),
+        warnings: Vec::new(),
         waypoints: plan.trajectory().map_or_else(Vec::new, |path| points(path).to_vec()),
         trace: args.trace.then_some(trace),
     }
 }
 
 /// The answer in a few lines.
-fn describe(answer: &Answer) -> String {
+fn describe(answer: &PlanDocument) -> String {
     let mut text = answer.status.to_string();
     if !answer.reason.is_empty() {
         text += &format!(": {}", answer.reason);
@@ -280,17 +253,7 @@ fn describe(answer: &Answer) -> String {
 
 /// The waypoints of a plan file.
 fn read_waypoints(path: &std::path::Path) -> Result<Trajectory, Failure> {
-    #[derive(serde::Deserialize)]
-    struct Saved {
-        waypoints: Vec<Point>,
-    }
-    let saved: Saved = serde_json::from_str(&input::read_text(path)?)
-        .map_err(|error| Failure::file(path, format!("is not a plan ({error})")))?;
-    let mut values = saved.waypoints.iter().flatten();
-    if saved.waypoints.len() < 2 || !values.all(|v| v.abs() <= MAX_COORDINATE) {
-        let need =
-            "waypoints: expected at least 2 points with coordinates of magnitude at most 1e9";
-        return Err(Failure::file(path, need));
-    }
-    Ok(Trajectory::from_points(&saved.waypoints))
+    let points = plan_json::read_waypoints(&input::read_text(path)?)
+        .map_err(|error| Failure::file(path, error))?;
+    Ok(Trajectory::from_points(&points))
 }

@@ -68,7 +68,7 @@ fn check_rows(rows: &[Row]) {
 fn files() {
     check_rows(&[
         ("plan nowhere.json", &["nowhere.json", "cannot be read"]),
-        ("plan .", &["unknown kind of file", ".scen"]),
+        ("plan .", &["it is a folder"]),
         ("plan free.txt", &["free.txt", "unknown kind of file", ".yaml"]),
         ("plan bytes.json", &["bytes.json", "not UTF-8"]),
         ("plan empty.json", &["empty.json", "line 1", "valid JSON"]),

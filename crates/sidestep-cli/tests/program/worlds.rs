@@ -71,7 +71,7 @@ fn misuse_is_refused() {
         ("plan room.map --random-queries 0", "--random-queries: 0 is not a number from 1 to"),
         ("plan room.map --random-queries 2 --robot-radius 9", "leaves the robot a place to stand"),
         ("plan barn.json --robot-radius=-1", "robot.radius: -1"),
-        ("plan obs.dat", "give the worlds' file, obs_perm2.dat"),
+        ("plan obs.dat", "expected the worlds' file, obs_perm2.dat"),
         ("plan nowhere.dat", "cannot be read"),
         ("bench --tasks room.yaml --planner gd", "or --random-queries N"),
         ("bench --tasks room.map --spread --planner gd", "--limit"),

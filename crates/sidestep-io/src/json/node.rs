@@ -4,7 +4,7 @@ use sidestep::InvalidInput;
 use sidestep::plane::geometry::Point;
 
 use super::{Json, locate};
-use crate::error::{FormatError, Place, nearest, quoted};
+use crate::error::{FormatError, Place, nearest, plain_or_quoted, quoted};
 
 /// One step down the tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,19 +59,6 @@ impl<'a> Node<'a> {
         steps
     }
 
-    /// The path from the root, such as `obstacles[3].circle`; empty at the root.
-    pub(crate) fn path(&self) -> String {
-        let mut path = String::new();
-        for step in self.steps() {
-            match step {
-                Step::Key(key) if path.is_empty() => path.push_str(key),
-                Step::Key(key) => path.extend([".", key]),
-                Step::Index(index) => path.push_str(&format!("[{index}]")),
-            }
-        }
-        path
-    }
-
     /// This value is not what is expected here.
     pub(crate) fn wrong(&self, expected: impl Into<String>) -> FormatError {
         self.found(self.value.describe(), expected)
@@ -83,19 +70,35 @@ impl<'a> Node<'a> {
         found: impl std::fmt::Display,
         expected: impl Into<String>,
     ) -> FormatError {
+        self.found_at(&self.steps(), found, expected)
+    }
+
+    fn found_at(
+        &self,
+        steps: &[Step<'_>],
+        found: impl std::fmt::Display,
+        expected: impl Into<String>,
+    ) -> FormatError {
         let Source { format, text, first_line } = self.source;
-        let place = match locate(text, &self.steps()) {
+        let place = match locate(text, steps) {
             Some((line, column)) => Place::line(line + first_line - 1).with_column(column),
             None => Place::default(),
         };
-        FormatError::new(format, place.with_field(self.path()), found, expected)
+        FormatError::new(format, place.with_field(path_of(steps)), found, expected)
     }
 
-    /// A refusal of the core, whose field `below` this value is given as a path such as `.radius`.
+    /// A refusal of the core, whose field `below` this value is given as a path such as `.radius` or
+    /// `.goal[1]`; the position is that of the deepest part of it that the text has.
     pub(crate) fn refused(&self, below: &str, invalid: InvalidInput) -> FormatError {
-        let mut error = self.found(invalid.value, invalid.allowed);
-        error.place.path += below;
-        error.place.path = error.place.path.trim_start_matches('.').to_owned();
+        let mut steps = self.steps();
+        let known = steps.len();
+        steps.extend(steps_of(below));
+        let mut deepest = steps.len();
+        while deepest > known && locate(self.source.text, &steps[..deepest]).is_none() {
+            deepest -= 1;
+        }
+        let mut error = self.found_at(&steps[..deepest], invalid.value, invalid.allowed);
+        error.place.path = path_of(&steps);
         error
     }
 
@@ -108,6 +111,19 @@ impl<'a> Node<'a> {
             Json::Array(items) => {
                 Ok(items.iter().enumerate().map(|(i, item)| self.child(Step::Index(i), item)))
             }
+            _ => Err(self.wrong(expected)),
+        }
+    }
+
+    /// The fields of an object, in the file's order.
+    pub(crate) fn fields(
+        &'a self,
+        expected: &str,
+    ) -> Result<impl ExactSizeIterator<Item = (&'a str, Node<'a>)> + 'a, FormatError> {
+        match self.value {
+            Json::Object(fields) => Ok(fields
+                .iter()
+                .map(|(key, value)| (key.as_str(), self.child(Step::Key(key), value)))),
             _ => Err(self.wrong(expected)),
         }
     }
@@ -195,4 +211,31 @@ impl<'a> Node<'a> {
             _ => Err(self.wrong(expected)),
         }
     }
+}
+
+/// The steps of a path such as `.goal[1]`.
+fn steps_of(path: &str) -> impl Iterator<Item = Step<'_>> {
+    path.split(['.', '[']).filter(|part| !part.is_empty()).map(|part| {
+        match part.strip_suffix(']').and_then(|index| index.parse().ok()) {
+            Some(index) => Step::Index(index),
+            None => Step::Key(part),
+        }
+    })
+}
+
+/// Steps as a person writes them, `obstacles[3].circle`; long or odd keys are quoted and cut.
+fn path_of(steps: &[Step<'_>]) -> String {
+    let mut path = String::new();
+    for step in steps {
+        match step {
+            Step::Key(key) => {
+                if !path.is_empty() {
+                    path.push('.');
+                }
+                path += &plain_or_quoted(key);
+            }
+            Step::Index(index) => path.push_str(&format!("[{index}]")),
+        }
+    }
+    path
 }

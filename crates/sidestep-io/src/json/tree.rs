@@ -7,7 +7,7 @@ use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 
-use crate::error::{FormatError, Place};
+use crate::error::{FormatError, Place, quoted};
 
 /// A JSON value; an object keeps the order of its keys.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +27,7 @@ impl Json {
             Self::Null => "null".into(),
             Self::Bool(value) => value.to_string(),
             Self::Number(value) => value.to_string(),
-            Self::String(text) => crate::error::quoted(text),
+            Self::String(text) => quoted(text),
             Self::Array(items) if items.is_empty() => "an empty array".into(),
             Self::Array(items) => format!("an array of {}", items.len()),
             Self::Object(fields) if fields.is_empty() => "an empty object".into(),
@@ -118,7 +118,7 @@ impl<'de> Visitor<'de> for TreeVisitor {
         let mut seen = std::collections::HashSet::new();
         while let Some((key, value)) = access.next_entry::<String, Json>()? {
             if !seen.insert(key.clone()) {
-                return Err(A::Error::custom(format!("the key {key:?} twice")));
+                return Err(A::Error::custom(format!("the key {} twice", quoted(&key))));
             }
             fields.push((key, value));
         }

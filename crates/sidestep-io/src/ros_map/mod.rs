@@ -1,16 +1,13 @@
 //! ROS `map_server` maps: a YAML file and the PGM or PNG image it names, as an occupancy grid.
 //!
 //! Source: the `map_server` packages of ROS 1 (wiki.ros.org/map_server) and Nav2 (`nav2_map_server`,
-//! `map_io.cpp`). With `v` a pixel's brightness in `[0, 1]`, its occupancy is `p = 1 - v`, or `p = v`
-//! with `negate`. A cell is occupied if `p > occupied_thresh`, free if `p < free_thresh`, and otherwise
-//! unknown. `trinary` and `scale` maps differ only in the grey values in between, which are unknown here.
-//! In a `raw` map a pixel of value 0 to 100 is an occupancy in percent, to which the same thresholds
-//! apply, and a larger one is unknown; `negate` has no say there, as in Nav2. A pixel of an image with
-//! transparency is unknown unless it is opaque; a coloured one counts by the mean of its channels.
+//! `map_io.cpp`). The image's top row is the field's top. `origin` is the pose of the lower left corner of
+//! the lower left cell: the map is turned about it by the yaw. Quarter turns are exact; the core's grids
+//! lie along the axes, so a map turned by anything else is refused.
 //!
-//! The image's top row is the field's top. `origin` is the pose of the lower left corner of the lower
-//! left cell; a turned map (yaw not 0) is refused, since the core's grids lie along the axes.
+//! `occupancy.rs` says which pixels are occupied.
 
+mod occupancy;
 mod pgm;
 mod png;
 mod yaml;
@@ -18,8 +15,9 @@ mod yaml;
 use sidestep::Grid;
 use sidestep::plane::world::MAX_GRID_CELLS;
 
-use crate::error::{FormatError, Place};
-use yaml::{Header, Mode};
+use crate::error::{FormatError, Place, quoted};
+use occupancy::{Cells, Occupancy};
+use yaml::Header;
 
 /// The format's name in errors.
 const IMAGE: &str = "ROS map image";
@@ -34,8 +32,21 @@ pub enum Unknown {
     Free,
 }
 
-/// The grid of a map, from its YAML text; `load` gives the bytes of the image by the name that the YAML
-/// says, a path relative to the YAML file unless it is absolute.
+/// A map as it was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RosMap {
+    /// Its cells.
+    pub grid: Grid,
+    /// What a person should know about how it was read, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Most that a map may be turned off a quarter turn, in cells at its far end: what rounding of the yaw
+/// leaves.
+const MOST_TURN: f64 = 0.01;
+
+/// The map of a YAML text; `load` gives the bytes of the image by the name that the YAML says, a path
+/// relative to the YAML file unless it is absolute.
 ///
 /// # Errors
 /// If the YAML or the image is not what the formats allow, or `load` fails.
@@ -43,50 +54,81 @@ pub fn read(
     yaml: &str,
     unknown: Unknown,
     load: impl FnOnce(&str) -> std::io::Result<Vec<u8>>,
-) -> Result<Grid, FormatError> {
+) -> Result<RosMap, FormatError> {
     let header = Header::read(yaml)?;
     let bytes = load(&header.image).map_err(|error| {
-        let found = format!("{:?}, which cannot be read ({error})", header.image);
+        let found = format!("{}, which cannot be read ({error})", quoted(&header.image));
         FormatError::new(yaml::FORMAT, Place::field("image"), found, "a PGM or PNG file")
     })?;
-    let Image { width, cells } = read_image(&bytes, &|shade| match header.occupancy(shade) {
-        Some(p) if p > header.occupied_thresh => true,
-        Some(p) if p < header.free_thresh => false,
-        _ => unknown == Unknown::Occupied,
-    })?;
+    let occupancy = Occupancy::new(&header, unknown);
+    let image = read_image(&bytes, &occupancy)?;
+    let mut warnings = header.warnings.clone();
+    warnings.extend(image.warnings(&header, unknown));
+    let (width, height) = (image.width, image.height());
+    let turns = quarter_turns(&header, width.max(height))?;
+    let (width, cells) = turned(width, image.bottom_row_first(), turns);
+    let origin = lower_left(&header, [width, cells.len() / width], turns);
     let height = cells.len() / width;
-    // The image's top row first becomes the grid's bottom row first.
-    let cells = cells.chunks(width).rev().flatten().copied().collect();
-    Grid::new(width, height, header.resolution, header.origin, cells).map_err(|invalid| {
+    let grid = Grid::new(width, height, header.resolution, origin, cells).map_err(|invalid| {
         let field = invalid.field.trim_start_matches("grid.").to_owned();
         FormatError::new(yaml::FORMAT, Place::field(field), invalid.value, invalid.allowed)
-    })
+    })?;
+    Ok(RosMap { grid, warnings })
 }
 
-/// A pixel: its value and the value of white.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Shade {
-    value: u16,
-    white: u16,
-    opaque: bool,
-}
-
-/// Which pixels are occupied, the top row first. Pixels become cells as they are read, since a map may
-/// have hundreds of millions.
-struct Image {
-    width: usize,
-    cells: Vec<bool>,
-}
-
-fn read_image(bytes: &[u8], occupied: &dyn Fn(Shade) -> bool) -> Result<Image, FormatError> {
+fn read_image(bytes: &[u8], occupancy: &Occupancy) -> Result<Cells, FormatError> {
     match bytes {
-        [b'P', b'2' | b'5', ..] => pgm::read(bytes, occupied),
-        [0x89, b'P', b'N', b'G', ..] => png::read(bytes, occupied),
+        [b'P', b'2' | b'5', ..] => pgm::read(bytes, occupancy),
+        [0x89, b'P', b'N', b'G', ..] => png::read(bytes, occupancy),
         _ => {
             let start = bytes[..bytes.len().min(4)].escape_ascii();
             let found = format!("a file that starts with \"{start}\"");
             Err(wrong_image(found, "a PGM (P2 or P5) or PNG image"))
         }
+    }
+}
+
+/// How many quarters, counter-clockwise, a map of so many cells is turned.
+fn quarter_turns(header: &Header, cells: usize) -> Result<u8, FormatError> {
+    let yaw = header.yaw;
+    let quarters = yaw / std::f64::consts::FRAC_PI_2;
+    let off = (quarters - quarters.round()).abs() * std::f64::consts::FRAC_PI_2;
+    if off * cells as f64 > MOST_TURN {
+        let expected = "a multiple of a quarter turn (0, pi/2, ..): other turned maps are not \
+                        supported; turn the image, or plan in the map's own frame with yaw 0";
+        return Err(FormatError::new(yaml::FORMAT, header.yaw_place.clone(), yaw, expected));
+    }
+    Ok(quarters.round().rem_euclid(4.0) as u8)
+}
+
+/// The width and cells, the bottom row first, of a grid after so many quarter turns counter-clockwise.
+fn turned(width: usize, cells: Vec<bool>, turns: u8) -> (usize, Vec<bool>) {
+    let height = cells.len() / width;
+    match turns {
+        1 => (
+            height,
+            (0..cells.len())
+                .map(|i| cells[(height - 1 - i % height) * width + i / height])
+                .collect(),
+        ),
+        2 => (width, cells.into_iter().rev().collect()),
+        3 => (
+            height,
+            (0..cells.len()).map(|i| cells[i % height * width + width - 1 - i / height]).collect(),
+        ),
+        _ => (width, cells),
+    }
+}
+
+/// The lower left corner of a turned map of this size: `origin` is its corner on another side.
+fn lower_left(header: &Header, size: [usize; 2], turns: u8) -> [f64; 2] {
+    let [x, y] = header.origin;
+    let [width, height] = size.map(|cells| cells as f64 * header.resolution);
+    match turns {
+        1 => [x - width, y],
+        2 => [x - width, y - height],
+        3 => [x, y - height],
+        _ => [x, y],
     }
 }
 
@@ -116,20 +158,29 @@ fn wrong_image(found: impl std::fmt::Display, expected: impl Into<String>) -> Fo
     FormatError::new(IMAGE, Place::default(), found, expected)
 }
 
-impl Header {
-    /// The occupancy that a pixel stands for, in `[0, 1]`; `None` if the pixel says unknown.
-    fn occupancy(&self, shade: Shade) -> Option<f64> {
-        let Shade { value, white, opaque } = shade;
-        let brightness = f64::from(value) / f64::from(white);
-        match self.mode {
-            _ if !opaque => None,
-            Mode::Raw => {
-                let percent = (brightness * 255.0).round();
-                (percent <= 100.0).then_some(percent / 100.0)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every quarter turn against a turn of the cells' centres about the origin.
+    #[test]
+    fn quarter_turns_move_every_cell_where_a_rotation_does() {
+        let (width, height) = (5, 3);
+        let cells: Vec<bool> = (0..15).map(|i| i % 4 == 0 || i == 7).collect();
+        let header = Header { resolution: 0.5, origin: [-2.0, 7.0], ..Header::default() };
+        for turns in 0..4u8 {
+            let (new_width, new) = turned(width, cells.clone(), turns);
+            let size = [new_width, new.len() / new_width];
+            let [left, bottom] = lower_left(&header, size, turns);
+            for (i, &cell) in cells.iter().enumerate() {
+                let (u, v) = ((i % width) as f64 * 0.5 + 0.25, (i / width) as f64 * 0.5 + 0.25);
+                let (x, y) = [(u, v), (-v, u), (-u, -v), (v, -u)][usize::from(turns)];
+                let column = ((x - 2.0 - left) / 0.5) as usize;
+                let row = ((y + 7.0 - bottom) / 0.5) as usize;
+                assert!(column < size[0] && row < size[1], "{turns} {i}");
+                assert_eq!(new[row * new_width + column], cell, "{turns} {i}");
             }
-            // As whole numbers first, so that the borders are those of the formula (255 - v) / 255.
-            _ if self.negate => Some(brightness),
-            _ => Some(f64::from(white - value) / f64::from(white)),
         }
+        assert_eq!(height, 3);
     }
 }

@@ -2,12 +2,19 @@
 //!
 //! Source: the Netpbm format description, netpbm.sourceforge.net/doc/pgm.html. Comments (`#` to the
 //! line's end) are taken between any two words.
+//!
+//! One byte of white space should stand between the header and raw pixels. Files that went through other
+//! hands have CR LF there, or a comment; a reader that takes these for pixels shifts the map. The size of
+//! the file says which it is: `raster` begins where the pixels end with the file, if only white space and
+//! comments lie before. What is left over behind the last pixel is told, or refused if it cannot be told
+//! from pixels.
 
-use super::{Image, Shade, check_size, wrong_image};
+use super::occupancy::{Cells, Occupancy, to_byte};
+use super::{check_size, wrong_image};
 use crate::error::FormatError;
 
 /// The first image of the file.
-pub(super) fn read(bytes: &[u8], occupied: &dyn Fn(Shade) -> bool) -> Result<Image, FormatError> {
+pub(super) fn read(bytes: &[u8], occupancy: &Occupancy) -> Result<Cells, FormatError> {
     let plain = bytes.starts_with(b"P2");
     let mut words = Words { bytes, at: 2 };
     let width = words.number("the width", u32::MAX)?;
@@ -16,17 +23,16 @@ pub(super) fn read(bytes: &[u8], occupied: &dyn Fn(Shade) -> bool) -> Result<Ima
     if white == 0 {
         return Err(wrong_image("a largest value of 0", "a largest value from 1 to 65535"));
     }
-    // One byte of white space stands between the header and raw samples.
-    let samples = bytes.get(words.at + 1..).unwrap_or_default();
+    let rest = bytes.len().saturating_sub(words.at + 1) as u64;
     let (width, height) = (u64::from(width), u64::from(height));
     let (most, size) = match (plain, white > 255) {
-        (true, _) => (samples.len() as u64 / 2 + 1, "2 bytes a pixel at least"),
-        (false, false) => (samples.len() as u64, "1 byte a pixel"),
-        (false, true) => (samples.len() as u64 / 2, "2 bytes a pixel"),
+        (true, _) => (rest / 2 + 1, "2 bytes a pixel at least"),
+        (false, false) => (rest, "1 byte a pixel"),
+        (false, true) => (rest / 2, "2 bytes a pixel"),
     };
     check_size(width, height, most, size, bytes.len())?;
     let (width, count) = (width as usize, (width * height) as usize);
-    let mut cells = Vec::with_capacity(count);
+    let mut cells = Cells::with_capacity(width, height as usize);
     let mut add = |value: u16| {
         if value > white {
             let (x, y) = (cells.len() % width, cells.len() / width);
@@ -35,18 +41,85 @@ pub(super) fn read(bytes: &[u8], occupied: &dyn Fn(Shade) -> bool) -> Result<Ima
                 format!("at most the largest value, {white}"),
             ));
         }
-        cells.push(occupied(Shade { value, white, opaque: true }));
+        cells.push(occupancy, to_byte(value, white), true);
         Ok(())
     };
-    if plain {
+    let end = if plain {
         (0..count).try_for_each(|_| add(words.number("a pixel", 65535)? as u16))?;
-    } else if white > 255 {
-        let pairs = samples.as_chunks::<2>().0;
-        pairs[..count].iter().try_for_each(|&pair| add(u16::from_be_bytes(pair)))?;
+        words.skip_space_and_comments();
+        words.at
     } else {
-        samples[..count].iter().try_for_each(|&byte| add(u16::from(byte)))?;
+        let length = if white > 255 { 2 * count } else { count };
+        let begin = raster(bytes, words.at, length)?;
+        let samples = &bytes[begin..begin + length];
+        if white > 255 {
+            let mut pairs = samples.as_chunks::<2>().0.iter();
+            pairs.try_for_each(|&pair| add(u16::from_be_bytes(pair)))?;
+        } else {
+            samples.iter().try_for_each(|&byte| add(u16::from(byte)))?;
+        }
+        begin + length
+    };
+    cells.notes.extend(left_over(&bytes[end..])?);
+    Ok(cells)
+}
+
+/// Where the pixels of a raw file begin, `length` bytes that are all there; the header's last word ends
+/// at `header`.
+fn raster(bytes: &[u8], header: usize, length: usize) -> Result<usize, FormatError> {
+    let after = &bytes[header..];
+    let carriage_returns =
+        after.starts_with(b"\r\n") && !has_lone_carriage_return(&bytes[..header]);
+    let first = header + if carriage_returns { 2 } else { 1 };
+    let surplus = (bytes.len() as i64) - (first + length) as i64;
+    if surplus < 0 {
+        let found = format!("{} bytes after a header that ends in CR LF", bytes.len() - first);
+        let expected = format!("{length} bytes of pixels; the file may be cut short");
+        return Err(wrong_image(found, expected));
     }
-    Ok(Image { width, cells })
+    let last = bytes.len() - length;
+    let could_end = matches!(left_over(&bytes[first + length..]), Ok(Some(_)));
+    match is_space_and_comments(&bytes[header..last]) {
+        true if surplus == 0 || !could_end => Ok(last),
+        false if after.get(first - header) != Some(&b'#') && !after.starts_with(b"#") => Ok(first),
+        _ => Err(wrong_image(
+            format!("{surplus} bytes too many, before or after the pixels"),
+            "one byte of white space after the largest value, then the pixels and nothing else",
+        )),
+    }
+}
+
+/// Whether lines end in CR alone, so that a LF behind one may be a pixel.
+fn has_lone_carriage_return(header: &[u8]) -> bool {
+    header.windows(2).any(|pair| pair[0] == b'\r' && pair[1] != b'\n')
+}
+
+fn is_space_and_comments(bytes: &[u8]) -> bool {
+    let mut words = Words { bytes, at: 0 };
+    words.skip_space_and_comments();
+    let printable = |&byte: &u8| byte.is_ascii_whitespace() || byte.is_ascii_graphic();
+    // A comment has to end before the pixels begin.
+    let last_comment = bytes.rsplit(|&byte| byte == b'#').next().unwrap_or_default();
+    let ended = last_comment.len() == bytes.len() || last_comment.contains(&b'\n');
+    let space = bytes.last().is_some_and(u8::is_ascii_whitespace);
+    words.at == bytes.len() && space && ended && bytes.iter().all(printable)
+}
+
+/// What to say of bytes after the last pixel; an error if they may be pixels.
+fn left_over(bytes: &[u8]) -> Result<Option<String>, FormatError> {
+    match bytes {
+        [] => Ok(None),
+        [b'P', b'1'..=b'7', c, ..] if c.is_ascii_whitespace() => {
+            Ok(Some("the image file holds several images; the first is read".into()))
+        }
+        _ if bytes.iter().all(u8::is_ascii_whitespace) => {
+            Ok(Some(format!("{} bytes of white space after the last pixel", bytes.len())))
+        }
+        _ => Err(wrong_image(
+            format!("{} bytes after the last pixel", bytes.len()),
+            "as many pixels as the header says, width x height, and nothing else",
+        )),
+    }
 }
 
 /// The words of a Netpbm file from a position on.
@@ -63,7 +136,7 @@ impl Words<'_> {
     fn skip_space_and_comments(&mut self) {
         while let Some(byte) = self.peek() {
             if byte == b'#' {
-                while self.peek().is_some_and(|byte| byte != b'\n') {
+                while self.peek().is_some_and(|byte| byte != b'\n' && byte != b'\r') {
                     self.at += 1;
                 }
             } else if byte.is_ascii_whitespace() {

@@ -1,10 +1,12 @@
-//! PNG images through the `png` crate, as one brightness a pixel.
+//! PNG images through the `png` crate, as one byte of grey a pixel. Colour profiles, gamma and texts are
+//! passed over unread.
 
 use std::io::Cursor;
 
 use png::{BitDepth, Decoder, DecodingError, Limits, Transformations};
 
-use super::{Image, Shade, check_size, wrong_image};
+use super::occupancy::{Cells, Occupancy, luma, to_byte};
+use super::{check_size, wrong_image};
 use crate::error::FormatError;
 
 /// Deflate packs at most 1032 bytes into one; a file that claims more pixels than that lies.
@@ -14,10 +16,12 @@ const MOST_PACKED: u64 = 1032;
 const MOST_MEMORY: usize = 1 << 30;
 
 /// The image, of any colour type and depth that PNG has.
-pub(super) fn read(bytes: &[u8], occupied: &dyn Fn(Shade) -> bool) -> Result<Image, FormatError> {
+pub(super) fn read(bytes: &[u8], occupancy: &Occupancy) -> Result<Cells, FormatError> {
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: MOST_MEMORY });
     // Palettes and depths under 8 bits become 8-bit grey or colour, with alpha where there is any.
     decoder.set_transformations(Transformations::EXPAND);
+    decoder.set_ignore_iccp_chunk(true);
+    decoder.set_ignore_text_chunk(true);
     let header = decoder.read_header_info().map_err(broken)?;
     let (width, height) = (u64::from(header.width), u64::from(header.height));
     let packed = bytes.len() as u64 * MOST_PACKED * 8;
@@ -25,40 +29,61 @@ pub(super) fn read(bytes: &[u8], occupied: &dyn Fn(Shade) -> bool) -> Result<Ima
     check_size(width, height, most, "1032 bytes a byte of file at most", bytes.len())?;
 
     let mut reader = decoder.read_info().map_err(broken)?;
-    let size =
-        reader.output_buffer_size().filter(|&size| size <= MOST_MEMORY).ok_or_else(|| {
-            let expected = format!("at most {MOST_MEMORY} bytes when unpacked");
-            wrong_image(format!("{width} x {height} pixels"), expected)
-        })?;
-    let mut samples = vec![0; size];
-    let info = reader.next_frame(&mut samples).map_err(broken)?;
-    let channels = info.color_type.samples();
-    // Grey and RGB with alpha have an even number of channels, the last of them alpha.
-    let has_alpha = channels % 2 == 0;
-    let cells = if info.bit_depth == BitDepth::Sixteen {
-        let sample = |pair: &[u8]| u16::from_be_bytes([pair[0], pair[1]]);
-        let pixel = |bytes: &[u8]| shade(bytes.chunks_exact(2).map(sample), has_alpha, u16::MAX);
-        samples.chunks_exact(2 * channels).map(|bytes| occupied(pixel(bytes))).collect()
+    let mut cells = Cells::with_capacity(width as usize, height as usize);
+    let (color, depth) = reader.output_color_type();
+    let kind = Kind { channels: color.samples(), deep: depth == BitDepth::Sixteen };
+    if reader.info().interlaced {
+        let size =
+            reader.output_buffer_size().filter(|&size| size <= MOST_MEMORY).ok_or_else(|| {
+                let expected = format!("at most {MOST_MEMORY} bytes when unpacked");
+                wrong_image(format!("{width} x {height} interlaced pixels"), expected)
+            })?;
+        let mut samples = vec![0; size];
+        reader.next_frame(&mut samples).map_err(broken)?;
+        kind.add(&samples, occupancy, &mut cells);
     } else {
-        let pixel = |bytes: &[u8]| shade(bytes.iter().map(|&b| u16::from(b)), has_alpha, 255);
-        samples.chunks_exact(channels).map(|bytes| occupied(pixel(bytes))).collect()
-    };
-    Ok(Image { width: width as usize, cells })
+        // A row at a time, so that nothing but the cells is as large as the image.
+        for _ in 0..height {
+            let row = reader.next_row().map_err(broken)?;
+            let row =
+                row.ok_or_else(|| wrong_image("a PNG that ends early", "a whole PNG image"))?;
+            kind.add(row.data(), occupancy, &mut cells);
+        }
+        reader.finish().map_err(broken)?;
+    }
+    Ok(cells)
 }
 
-/// The mean of the colour channels, rounded.
-fn shade(channels: impl ExactSizeIterator<Item = u16>, has_alpha: bool, white: u16) -> Shade {
-    let colours = channels.len() - usize::from(has_alpha);
-    let (mut sum, mut opaque) = (0, true);
-    for (i, value) in channels.enumerate() {
-        if i < colours {
-            sum += u32::from(value);
-        } else {
-            opaque = value == white;
+/// How the samples of an image lie.
+struct Kind {
+    /// Samples a pixel; an even number has alpha for its last.
+    channels: usize,
+    /// Whether a sample has 16 bits.
+    deep: bool,
+}
+
+impl Kind {
+    /// Adds the pixels of `samples`, which are whole.
+    fn add(&self, samples: &[u8], occupancy: &Occupancy, cells: &mut Cells) {
+        let alpha = self.channels.is_multiple_of(2);
+        let bytes = self.channels * if self.deep { 2 } else { 1 };
+        for pixel in samples.chunks_exact(bytes) {
+            // A byte v is the 16-bit value 257 v.
+            let sample = |i: usize| match self.deep {
+                true => u16::from_be_bytes([pixel[2 * i], pixel[2 * i + 1]]),
+                false => 257 * u16::from(pixel[i]),
+            };
+            let opaque = !alpha || to_byte(sample(self.channels - 1), u16::MAX) == 255;
+            let grey = if self.channels > 2 {
+                let rgb = [sample(0), sample(1), sample(2)];
+                cells.coloured += u64::from(opaque && rgb.iter().any(|&v| v != rgb[0]));
+                luma(rgb)
+            } else {
+                to_byte(sample(0), u16::MAX)
+            };
+            cells.push(occupancy, grey, opaque);
         }
     }
-    let count = colours.max(1) as u32;
-    Shade { value: ((sum + count / 2) / count) as u16, white, opaque }
 }
 
 fn broken(error: DecodingError) -> FormatError {

@@ -8,6 +8,7 @@ use sidestep::{Grid, Obstacle, Robot, Task, World};
 
 use super::{FORMAT, TASK_FORMAT, TaskFormat, rows};
 use crate::error::{FormatError, Place};
+use crate::input::without_mark;
 use crate::json::{Json, Node, Source, parse};
 
 const TASK_FIELDS: [&str; 8] =
@@ -21,7 +22,7 @@ const POLYGON: &str = "an array of at least 3 points [x, y]";
 /// # Errors
 /// The first fault, with its line, column, field, value and what is allowed.
 pub fn read_tasks(text: &str, format: TaskFormat) -> Result<Vec<Task>, FormatError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let text = without_mark(text);
     let mut tasks = Vec::new();
     match format {
         TaskFormat::Json => read_document(text, 1, &mut tasks)?,

@@ -222,8 +222,9 @@ pub fn read_parameters(
     let Some(image_at) = image_place(parts, waypoints) else {
         return Ok(read_network(reader, sizes, prefix)?.into());
     };
-    // Of zeros, for the names and shapes; its size was checked first.
+    // Of zeros, for the names and shapes; the file has to hold as much.
     let count = Cnn::parameter_count(sizes, image_at)?;
+    reader.check_holds(count)?;
     let mut network = Network::from(Cnn::new(sizes, image_at, vec![0.0; count])?);
     let mut parameters = Vec::with_capacity(count);
     for (name, shape, _) in network.parts() {

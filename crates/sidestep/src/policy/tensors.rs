@@ -105,6 +105,21 @@ impl<'a> Reader<'a> {
         })
     }
 
+    /// Checks that the file holds so many numbers at least, before anything is allocated for them.
+    ///
+    /// # Errors
+    /// If it holds fewer.
+    pub fn check_holds(&self, numbers: usize) -> Result<(), InvalidInput> {
+        let bytes: usize = self.tensors.iter().map(|(_, tensor)| tensor.data().len()).sum();
+        if bytes / 4 < numbers {
+            let field = format!("{}.tensors", self.what);
+            let found = format!("{} numbers", bytes / 4);
+            let expected = format!("{numbers} numbers, as its sizes ask for");
+            return Err(InvalidInput::new(field, found, expected));
+        }
+        Ok(())
+    }
+
     /// The numbers of one tensor, of which the shape is known and every number must be finite.
     ///
     /// # Errors
@@ -187,6 +202,10 @@ mod tests {
         check(&file(&[f32::INFINITY]), FORMAT, "a", &[1], "test.tensors.a[0]: inf");
         let plain = safetensors::serialize(Vec::<(String, TensorView)>::new(), None).unwrap();
         check(&plain, FORMAT, "a", &[2], "without metadata of ours");
+        let reader = Reader::new(&good, "test", FORMAT).unwrap();
+        assert!(reader.check_holds(2).is_ok());
+        let error = reader.check_holds(3).unwrap_err().to_string();
+        assert!(error.contains("test.tensors: 2 numbers"), "{error}");
     }
 
     #[test]

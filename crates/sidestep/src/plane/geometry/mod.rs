@@ -6,6 +6,7 @@ mod circle;
 mod point;
 mod polygon;
 mod rect;
+mod ring;
 mod segment;
 
 pub use circle::Circle;

@@ -1,0 +1,202 @@
+//! Plan JSON: the answer to one task as one JSON object, and the waypoints of such a document (or of a
+//! path that something else made) to start from.
+//!
+//! Numbers are numbers: what is not known is `null` as a whole field, and no coordinate ever is.
+
+use serde::Serialize;
+use sidestep::error::MAX_COORDINATE;
+use sidestep::plane::geometry::Point;
+
+use crate::error::{FormatError, Place};
+use crate::input::without_mark;
+use crate::json::{Json, Node, Source, parse};
+
+const FORMAT: &str = "plan JSON";
+
+/// One answer; docs/task-format.md says what each field means.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlanDocument {
+    /// `solved`, `unsolved`, `unsolvable` or `invalid`.
+    pub status: &'static str,
+    /// In words where not solved.
+    pub reason: String,
+    /// The task's name.
+    pub task: String,
+    /// The planner's name as it was given.
+    pub planner: String,
+    /// What made the plan: which start, or the exact search. None without a plan.
+    pub origin: Option<String>,
+    /// Optimizer steps to the plan.
+    pub iterations: usize,
+    /// Microseconds from the task to the answer.
+    pub time_us: f64,
+    /// Length of a solved plan, in task units.
+    pub length: Option<f64>,
+    /// Length of the shortest path, where that is decided.
+    pub optimal_length: Option<f64>,
+    /// Least distance of the robot's body to obstacles and bounds, of a solved plan.
+    pub clearance: Option<f64>,
+    /// Whether the exact certificate passed the waypoints.
+    pub certified: bool,
+    /// What to know about how the task was read.
+    pub warnings: Vec<String>,
+    /// From start to goal, in task units; where not solved, an optimizer's last attempt.
+    pub waypoints: Vec<Point>,
+    /// Every iterate, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trace: Option<Vec<TraceStep>>,
+}
+
+/// One iterate.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TraceStep {
+    /// Number of the start, from 0.
+    pub start: usize,
+    /// Number of the iterate, from 0, the start itself.
+    pub iteration: usize,
+    /// U.
+    pub objective: f32,
+    /// The obstacles' part of U.
+    pub obstacle_cost: f32,
+    /// The length's part of U.
+    pub length_cost: f32,
+    /// Whether the exact certificate passes the iterate.
+    pub certified: bool,
+    /// From start to goal, in task units.
+    pub waypoints: Vec<Point>,
+}
+
+impl PlanDocument {
+    /// The document's text, indented, with a final newline. What is no number is left out: an iterate of
+    /// the trace that holds such, all waypoints, or the field.
+    pub fn to_json(&self) -> String {
+        let mut document = self.clone();
+        let Self { length, optimal_length, clearance, waypoints, trace, .. } = &mut document;
+        for value in [length, optimal_length, clearance] {
+            *value = value.filter(|value| value.is_finite());
+        }
+        if !is_finite(waypoints) {
+            waypoints.clear();
+        }
+        if let Some(trace) = trace {
+            trace.retain(|step| {
+                let costs = [step.objective, step.obstacle_cost, step.length_cost];
+                is_finite(&step.waypoints) && costs.iter().all(|cost| cost.is_finite())
+            });
+        }
+        // Strings, numbers and lists of them: nothing that could fail.
+        serde_json::to_string_pretty(&document).unwrap_or_default() + "\n"
+    }
+}
+
+fn is_finite(points: &[Point]) -> bool {
+    points.iter().flatten().all(|value| value.is_finite())
+}
+
+/// The waypoints of a plan: of a document as above, or of a JSON array of points `[x, y]` alone; at least
+/// two, start and goal included.
+///
+/// # Errors
+/// If the text is no such document; the message names line, column and field.
+pub fn read_waypoints(text: &str) -> Result<Vec<Point>, FormatError> {
+    let text = without_mark(text);
+    let json = parse(FORMAT, text, 1)?;
+    let root = Node::root(Source { format: FORMAT, text, first_line: 1 }, &json);
+    const POINTS: &str = "an array of at least 2 points [x, y]";
+    let waypoints = match json {
+        Json::Array(_) => root,
+        _ => root.required("waypoints", POINTS)?,
+    };
+    let mut points = Vec::new();
+    for item in waypoints.items(POINTS)? {
+        for coordinate in item.pair("a point [x, y]")? {
+            if coordinate.number()?.abs() > MAX_COORDINATE {
+                return Err(coordinate.wrong("a number of magnitude at most 1e9"));
+            }
+        }
+        points.push(item.point()?);
+    }
+    if points.len() < 2 {
+        let place = Place::field("waypoints");
+        return Err(FormatError::new(FORMAT, place, format!("{} points", points.len()), POINTS));
+    }
+    Ok(points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn document(waypoints: Vec<Point>) -> PlanDocument {
+        let step = TraceStep {
+            start: 0,
+            iteration: 0,
+            objective: 1.0,
+            obstacle_cost: f32::NAN,
+            length_cost: 1.0,
+            certified: false,
+            waypoints: waypoints.clone(),
+        };
+        PlanDocument {
+            status: "unsolved",
+            reason: "500 steps".into(),
+            task: "two \"walls\"".into(),
+            planner: "gd".into(),
+            origin: None,
+            iterations: 3,
+            time_us: 1.5,
+            length: Some(f64::INFINITY),
+            optimal_length: None,
+            clearance: Some(f64::NAN),
+            certified: false,
+            warnings: vec![],
+            waypoints,
+            trace: Some(vec![step.clone(), TraceStep { obstacle_cost: 0.5, ..step }]),
+        }
+    }
+
+    #[test]
+    fn waypoints_come_back_and_no_number_is_null() {
+        let points = vec![[0.1, -1e9], [1.0 / 3.0, 5e-324], [7.0, 8.0]];
+        let text = document(points.clone()).to_json();
+        assert_eq!(read_waypoints(&text), Ok(points));
+        let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(
+            (value["length"].is_null(), value["trace"].as_array().unwrap().len()),
+            (true, 1)
+        );
+        let broken = document(vec![[0.0, 0.0], [f64::NAN, 1.0]]).to_json();
+        assert!(!broken.contains("[\n      null"), "{broken}");
+        assert_eq!(read_waypoints("\u{feff}[[0, 1], [2, 3.5]]"), Ok(vec![[0.0, 1.0], [2.0, 3.5]]));
+    }
+
+    #[test]
+    fn faults_are_named() {
+        for (text, expected) in [
+            (
+                "{\n\"waypoints\": [[0, 0],\n [1, null]]}",
+                "line 3, column 6, waypoints[1][1]: found null",
+            ),
+            (
+                "{\"waypoints\": [[0, 0], [2e9, 1]]}",
+                "waypoints[1][0]: found 2000000000; expected a number of",
+            ),
+            (
+                "{\"waypoints\": [[0, 0], [1]]}",
+                "waypoints[1]: found an array of 1; expected a point",
+            ),
+            (
+                "{\"waypoints\": [[0, 0]]}",
+                "waypoints: found 1 points; expected an array of at least 2",
+            ),
+            ("{\"waypoints\": 3}", "waypoints: found 3; expected an array of at least 2 points"),
+            ("{}", "found no field \"waypoints\""),
+            ("[]", "found 0 points"),
+            ("7", "plan JSON, line 1, column 1"),
+            ("x", "plan JSON, line 1, column 1"),
+        ] {
+            let error = read_waypoints(text).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+}
