@@ -114,7 +114,7 @@ impl<'a> Reader<'a> {
         if bytes / 4 < numbers {
             let field = format!("{}.tensors", self.what);
             let found = format!("{} numbers", bytes / 4);
-            let expected = format!("{numbers} numbers, as its sizes ask for");
+            let expected = format!("at least {numbers} numbers, as its sizes ask for");
             return Err(InvalidInput::new(field, found, expected));
         }
         Ok(())
