@@ -5,10 +5,9 @@ use std::sync::Arc;
 
 use clap::Args;
 use sidestep::error::InvalidInput;
-use sidestep::optimizer::Method;
 use sidestep::plan::parse_planner;
 use sidestep::plan::starts::StartStrategy;
-use sidestep::plan::{Auto, Options, Planner};
+use sidestep::plan::{Options, Planner};
 use sidestep::policy::Policy;
 use sidestep::profile::Profile;
 
@@ -45,11 +44,7 @@ impl PlanningArgs {
     /// The planner options for a field of the given extent; a learned planner among `planners`
     /// decides the profile and the number of waypoints that the flags leave open.
     pub fn options(&self, extent: f64, planners: &[&Planner]) -> Result<Options, Failure> {
-        let policy = planners.iter().find_map(|planner| match planner {
-            Planner::Optimizer(Method::Learned(policy))
-            | Planner::Auto(Auto { quick: Method::Learned(policy), .. }) => Some(policy),
-            _ => None,
-        });
+        let policy = planners.iter().find_map(|planner| planner.policy());
         let default_profile = policy.and_then(|policy| policy.fixed_profile()).unwrap_or("default");
         let mut profile = self.profile.as_deref().unwrap_or(default_profile).parse::<Profile>()?;
         if let Some(clearance) = self.clearance {

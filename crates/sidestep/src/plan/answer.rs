@@ -142,6 +142,8 @@ pub enum Origin {
     SmoothShortestPath,
     /// The exact shortest path itself.
     ShortestPath,
+    /// A tree of random samples, made smooth.
+    SmoothTree,
     /// A tree of random samples.
     Tree,
 }
@@ -153,6 +155,7 @@ impl std::fmt::Display for Origin {
             Self::RandomStart(start) => write!(f, "optimized from random start {start}"),
             Self::SmoothShortestPath => f.write_str("smoothed from the shortest path"),
             Self::ShortestPath => f.write_str("the shortest path"),
+            Self::SmoothTree => f.write_str("smoothed from a random tree"),
             Self::Tree => f.write_str("a random tree"),
         }
     }

@@ -8,6 +8,9 @@
 //! 4. The shortest path made smooth ([`crate::plan::smooth`]).
 //! 5. The shortest path itself.
 //!
+//! Robots that the exact search knows nothing of have no steps 3 to 5: where the optimizers fail, RRT-Connect follows, and
+//! its path is made smooth. The shipped policies are for the plane, so Adam stands in for them there.
+//!
 //! So every task is answered that the exact search decides in the time that there is, and no plan is longer than
 //! [`LONGEST`] times the shortest. Where the search does not decide, the thorough optimizer from random starts follows.
 
@@ -17,10 +20,11 @@ use crate::plan::answer::{Origin, Plan, Status};
 use crate::plan::exact::shortest;
 use crate::plan::optimize::optimize;
 use crate::plan::options::{Options, Stop, Watch};
-use crate::plan::smooth::smooth;
+use crate::plan::rrt_connect::{RrtConnect, tree};
+use crate::plan::smooth::{Smooth, smooth};
 use crate::policy::shipped;
 use crate::scene::Query;
-use crate::trajectory::distance;
+use crate::trajectory::{Trajectory, distance};
 
 /// A plan may be this many times as long as the shortest path.
 pub const LONGEST: f64 = 1.2;
@@ -28,6 +32,8 @@ pub const LONGEST: f64 = 1.2;
 const QUICK_STEPS: usize = 24;
 /// Steps of a learned optimizer from each of several starts: it is through after a few, or hardly ever.
 const LEARNED_STEPS: usize = 40;
+/// Step of Adam where no policy serves the robot, in normalised units.
+const ADAM_STEP: f32 = 0.1;
 /// Starts that are tried at least where the exact search does not decide.
 const STARTS: usize = 5;
 
@@ -74,9 +80,11 @@ impl Auto {
             plan.certified().is_some_and(|path| path.length() <= LONGEST * shortest)
         };
         let with = |method: &Method, most: usize, starts: usize| {
-            let steps = match method {
-                Method::Learned(_) => options.steps.min(most),
-                _ => options.steps,
+            let adam = Method::Adam { step: ADAM_STEP };
+            let (method, steps) = match method {
+                Method::Learned(_) if query.scene().plane().is_none() => (&adam, options.steps),
+                Method::Learned(_) => (method, options.steps.min(most)),
+                _ => (method, options.steps),
             };
             optimize(query, method, &Options { steps, starts, ..options.clone() }, watch)
         };
@@ -90,10 +98,15 @@ impl Auto {
         }
         let Some(exact) = shortest(query, watch) else {
             // Nothing says how much of a detour it is, nor that there is no path.
-            return match optimized.is_solved() {
-                true => Ok(optimized),
-                false => with(&self.thorough, LEARNED_STEPS, options.starts.max(STARTS)),
+            if optimized.is_solved() {
+                return Ok(optimized);
+            }
+            let found = tree(query, &RrtConnect::default(), options);
+            let Some(path) = found.certified() else {
+                return Ok(Plan { attempt: optimized.attempt, ..found });
             };
+            let smooth = smoothed(query, path, Origin::SmoothTree, options, watch)?;
+            return Ok(smooth.unwrap_or(found));
         };
         let Some(path) = exact.certified() else {
             return match exact.status {
@@ -107,14 +120,22 @@ impl Auto {
         if is_short(&optimized, path.length()) {
             return Ok(optimized);
         }
-        let smoothed = smooth(query, path, LONGEST, options.steps, options.starts, watch)?;
-        Ok(match smoothed {
-            Some(smooth) => {
-                Plan::of(query, smooth.trajectory, smooth.steps, Origin::SmoothShortestPath)
-            }
-            None => exact,
-        })
+        let smooth = smoothed(query, path, Origin::SmoothShortestPath, options, watch)?;
+        Ok(smooth.unwrap_or(exact))
     }
+}
+
+/// A certified path made smooth, where that works.
+fn smoothed(
+    query: &Query,
+    path: &Trajectory,
+    origin: Origin,
+    options: &Options,
+    watch: Watch<'_>,
+) -> Result<Option<Plan>, InvalidInput> {
+    let smooth = smooth(query, path, LONGEST, options.steps, options.starts, watch)?;
+    let plan = |smooth: Smooth| Plan::of(query, smooth.trajectory, smooth.steps, origin);
+    Ok(smooth.map(plan).filter(Plan::is_solved))
 }
 
 /// The straight line, which was certified, with waypoints unless rounding puts one of them too close.

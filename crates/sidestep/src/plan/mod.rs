@@ -27,9 +27,8 @@ use std::sync::Arc;
 use crate::error::InvalidInput;
 use crate::plan::exact::shortest;
 use crate::plan::optimize::optimize;
-use crate::plan::rrt_connect::{RrtConnect, RrtRun};
+use crate::plan::rrt_connect::tree;
 use crate::plane::shortest_path::Route;
-use crate::rng::{Purpose, stream};
 use crate::scene::{Query, Scene, Task};
 
 /// Plans one task.
@@ -107,14 +106,5 @@ fn or_proof(plan: Plan, query: &Query, options: &Options, watch: Watch<'_>) -> P
     match query.scene().exact(query.start(), query.goal(), watch.go_on) {
         Some(Route::Unsolvable(proof)) => Plan { status: Status::Unsolvable(proof), ..plan },
         _ => plan,
-    }
-}
-
-fn tree(query: &Query, rrt: &RrtConnect, options: &Options) -> Plan {
-    let mut rng = stream(options.seed, Purpose::Planner, options.index, 0);
-    let RrtRun { trajectory, samples, .. } = rrt.plan(query, &mut rng);
-    match trajectory {
-        Some(trajectory) => Plan::of(query, trajectory, 0, Origin::Tree),
-        None => Plan::none(Status::Unsolved(Reason::SamplesSpent { samples }), Origin::Tree),
     }
 }

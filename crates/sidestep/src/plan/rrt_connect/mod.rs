@@ -16,6 +16,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::InvalidInput;
+use crate::plan::answer::{Origin, Plan, Reason, Status};
+use crate::plan::options::Options;
+use crate::rng::{Purpose, stream};
 use crate::scene::{Query, Scene};
 use crate::trajectory::{Trajectory, distance};
 use tree::Tree;
@@ -175,6 +178,16 @@ impl Growth<'_> {
 fn lerp(from: &[f64], to: &[f64], t: f64, out: &mut [f64]) {
     for ((out, from), to) in out.iter_mut().zip(from).zip(to) {
         *out = from + t * (to - from);
+    }
+}
+
+/// Answers a query by trees.
+pub(super) fn tree(query: &Query, rrt: &RrtConnect, options: &Options) -> Plan {
+    let mut rng = stream(options.seed, Purpose::Planner, options.index, 0);
+    let RrtRun { trajectory, samples, .. } = rrt.plan(query, &mut rng);
+    match trajectory {
+        Some(trajectory) => Plan::of(query, trajectory, 0, Origin::Tree),
+        None => Plan::none(Status::Unsolved(Reason::SamplesSpent { samples }), Origin::Tree),
     }
 }
 
