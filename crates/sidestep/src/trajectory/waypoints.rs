@@ -18,26 +18,26 @@ pub fn straight_line(start: &[f32], goal: &[f32], x: &mut [f32]) {
 
 /// Spreads `x [N x dof]` evenly by length along the polyline through `corners [K x dof]`, at least two, its ends left out.
 pub fn polyline(dof: usize, corners: &[f32], x: &mut [f32]) {
-    let count = corners.len() / dof;
     let at = |corner: usize| &corners[corner * dof..][..dof];
     let length = |corner: usize| {
-        let mut legs = at(corner).iter().zip(at(corner + 1)).map(|(a, b)| b - a);
-        let first = legs.next().unwrap_or(0.0).abs();
-        legs.fold(first, f32::hypot)
+        let mut ways = at(corner).iter().zip(at(corner + 1)).map(|(a, b)| b - a);
+        let first = ways.next().unwrap_or(0.0).abs();
+        ways.fold(first, f32::hypot)
     };
-    let total: f32 = (0..count - 1).map(length).sum();
+    let legs: Vec<f32> = (0..corners.len() / dof - 1).map(length).collect();
+    let total: f32 = legs.iter().sum();
     let segments = (x.len() / dof + 1) as f32;
-    let mut corner = 0;
+    let mut leg = 0;
     let mut passed = 0.0;
     for (i, p) in x.chunks_exact_mut(dof).enumerate() {
         let target = total * (i + 1) as f32 / segments;
-        while corner + 2 < count && passed + length(corner) < target {
-            passed += length(corner);
-            corner += 1;
+        while leg + 1 < legs.len() && passed + legs[leg] < target {
+            passed += legs[leg];
+            leg += 1;
         }
-        let part = length(corner);
+        let part = legs[leg];
         let t = if part > 0.0 { ((target - passed) / part).clamp(0.0, 1.0) } else { 0.0 };
-        for ((p, a), b) in p.iter_mut().zip(at(corner)).zip(at(corner + 1)) {
+        for ((p, a), b) in p.iter_mut().zip(at(leg)).zip(at(leg + 1)) {
             *p = a + t * (b - a);
         }
     }
