@@ -35,9 +35,8 @@ pub struct Cost {
 #[derive(Debug, Clone)]
 pub struct Objective {
     query: Query,
-    /// Start and goal `[dof]`, in normalised units.
-    start: Vec<f32>,
-    goal: Vec<f32>,
+    /// Start and goal `[2 x dof]`, in normalised units.
+    ends: Vec<f32>,
     waypoints: usize,
     epsilon: f32,
     lambda: f32,
@@ -54,23 +53,29 @@ const AT_ONCE: usize = 8;
 #[derive(Debug, Clone)]
 struct Fractions {
     substeps: usize,
-    /// t, the share of the segment's end.
-    after: Vec<[f32; AT_ONCE]>,
-    /// 1 - t, the share of its beginning.
-    before: Vec<[f32; AT_ONCE]>,
+    shares: Vec<Shares>,
+}
+
+/// What the ends of a segment have in some of its substeps.
+#[derive(Debug, Clone)]
+struct Shares {
+    /// 1 - t.
+    beginning: [f32; AT_ONCE],
+    /// t.
+    end: [f32; AT_ONCE],
 }
 
 impl Fractions {
     fn new(substeps: usize) -> Self {
-        let t = |j: usize| (j + 1) as f32 / (substeps + 1) as f32;
-        let share = |of: &dyn Fn(f32) -> f32| {
-            let block = |block: usize| {
-                std::array::from_fn(|l| Some(block * AT_ONCE + l).filter(|j| *j < substeps))
-                    .map(|j| j.map_or(0.0, |j| of(t(j))))
-            };
-            (0..substeps.div_ceil(AT_ONCE)).map(block).collect()
+        let shares = |block: usize| {
+            let (mut beginning, mut end) = ([0.0; AT_ONCE], [0.0; AT_ONCE]);
+            for j in block * AT_ONCE..substeps.min((block + 1) * AT_ONCE) {
+                let t = (j + 1) as f32 / (substeps + 1) as f32;
+                (beginning[j % AT_ONCE], end[j % AT_ONCE]) = (1.0 - t, t);
+            }
+            Shares { beginning, end }
         };
-        Self { substeps, after: share(&|t| t), before: share(&|t| 1.0 - t) }
+        Self { substeps, shares: (0..substeps.div_ceil(AT_ONCE)).map(shares).collect() }
     }
 }
 
@@ -102,14 +107,12 @@ impl Objective {
         let weights: Vec<f32> = (0..points)
             .map(|k| if k % period == substeps { waypoint_weight } else { substep_weight } as f32)
             .collect();
-        let normalised = |end: &[f64]| {
-            let mut out = vec![0.0; dof];
-            scene.to_normalised(end, &mut out);
-            out
-        };
+        let mut ends = vec![0.0; 2 * dof];
+        let (start, goal) = ends.split_at_mut(dof);
+        scene.to_normalised(query.start(), start);
+        scene.to_normalised(query.goal(), goal);
         Ok(Self {
-            start: normalised(query.start()),
-            goal: normalised(query.goal()),
+            ends,
             waypoints,
             epsilon: scene.epsilon() as f32,
             lambda: profile.lambda as f32,
@@ -132,7 +135,7 @@ impl Objective {
 
     /// Coordinates of a configuration.
     pub fn dof(&self) -> usize {
-        self.start.len()
+        self.ends.len() / 2
     }
 
     /// Length of the flat `[N x dof]` state.
@@ -142,12 +145,12 @@ impl Objective {
 
     /// Start `[dof]`, in normalised units.
     pub fn start(&self) -> &[f32] {
-        &self.start
+        &self.ends[..self.dof()]
     }
 
     /// Goal `[dof]`, in normalised units.
     pub fn goal(&self) -> &[f32] {
-        &self.goal
+        &self.ends[self.dof()..]
     }
 
     /// What is asked.
@@ -163,7 +166,8 @@ impl Objective {
     /// The question as a policy of the plane sees it, where the robot is one of the plane.
     pub fn plane(&self) -> Option<Subject<'_>> {
         let scene = self.scene().plane()?;
-        let (start, goal) = ([self.start[0], self.start[1]], [self.goal[0], self.goal[1]]);
+        let &[a, b, c, d] = &self.ends[..] else { return None };
+        let (start, goal) = ([a, b], [c, d]);
         Some(Subject { scene, start, goal, waypoints: self.waypoints })
     }
 
@@ -198,7 +202,7 @@ impl Objective {
 
     /// Whether `x` is feasible by the profile's check.
     pub fn is_feasible(&self, x: &[f32]) -> bool {
-        let sampled = self.scene().is_feasible(&self.start, x, &self.goal);
+        let sampled = self.scene().is_feasible(self.start(), x, self.goal());
         sampled.unwrap_or_else(|| self.is_certified(x))
     }
 
@@ -231,7 +235,7 @@ impl Objective {
 
     /// Writes the evenly spaced straight line from start to goal to `x`.
     pub fn straight_line(&self, x: &mut [f32]) {
-        waypoints::straight_line(&self.start, &self.goal, x);
+        waypoints::straight_line(self.start(), self.goal(), x);
     }
 }
 
@@ -262,7 +266,8 @@ fn evaluate_in(
     x: &[f32],
     mut gradient: Option<&mut [f32]>,
 ) -> Cost {
-    let Objective { query, start, goal, epsilon, lambda, fractions, block, .. } = objective;
+    let Objective { query, ends, epsilon, lambda, fractions, block, .. } = objective;
+    let (start, goal) = ends.split_at(dof);
     let (scene, lambda) = (query.scene(), *lambda);
     let factor = scene.profile().obstacle_gradient_factor as f32;
     place_points(dof, fractions, [start, x, goal], block);
@@ -314,8 +319,8 @@ fn place_points(
             let to = if segment < waypoints { x[segment * dof + k] } else { goal[k] };
             let way = to - from;
             let points = &mut lane[segment * (substeps + 1)..];
-            for (points, t) in points.as_chunks_mut().0.iter_mut().zip(&fractions.after) {
-                *points = t.map(|t| from + t * way);
+            for (points, shares) in points.as_chunks_mut().0.iter_mut().zip(&fractions.shares) {
+                *points = shares.end.map(|t| from + t * way);
             }
             if segment < waypoints {
                 points[substeps] = to;
@@ -335,11 +340,11 @@ fn scatter(dof: usize, fractions: &Fractions, block: &Block, gradient: &mut [f32
         for segment in 0..=waypoints {
             let slopes = &lane[segment * (substeps + 1)..];
             let (mut before, mut after) = (0.0f32, 0.0f32);
-            let shares = fractions.before.iter().zip(&fractions.after);
-            for (slopes, (one, other)) in slopes.as_chunks::<AT_ONCE>().0.iter().zip(shares) {
+            let blocks = slopes.as_chunks::<AT_ONCE>().0.iter();
+            for (slopes, shares) in blocks.zip(&fractions.shares) {
                 for l in 0..AT_ONCE {
-                    before += one[l] * slopes[l];
-                    after += other[l] * slopes[l];
+                    before += shares.beginning[l] * slopes[l];
+                    after += shares.end[l] * slopes[l];
                 }
             }
             if segment > 0 {

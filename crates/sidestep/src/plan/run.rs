@@ -66,10 +66,10 @@ pub fn run(
     mut watch: impl FnMut(&Iteration<'_>) -> ControlFlow<()>,
 ) -> Run {
     let mut gradient = vec![0.0; x.len()];
-    let mut free = vec![false; objective.waypoints() + 1];
     let mut run = Run::default();
     let exact_profile = objective.feasible_means_certified();
     let sees_segments = optimizer.uses_free_segments();
+    let mut free = vec![false; if sees_segments { objective.waypoints() + 1 } else { 0 }];
     for index in 0..=steps {
         // Asked once: what ends the run, and what the optimizer sees.
         let known = sees_segments.then(|| objective.free_segments(x, &mut free));

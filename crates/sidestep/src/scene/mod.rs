@@ -10,7 +10,7 @@
 //! | `dof`, `limits`, `normalised_limits` | starts, sampling, clipping |
 //! | `to_normalised`, `to_task`, `normalised_length` | optimizers work in normalised units, certificates in task units |
 //! | `epsilon`, `typical_clearance`, `cost_and_slope` | U and ∂U |
-//! | `motion_is_free`, `path_is_free`, `check`, `clearance` | certificates, never by samples |
+//! | `motion_is_free`, `path_is_free`, `is_free`, `check`, `clearance` | certificates, never by samples |
 //! | `exact` | the shortest path or a proof that there is none, where there is such a search |
 
 mod query;
@@ -20,8 +20,8 @@ pub use query::{Query, Refused};
 pub use task::{PlaneTask, Setting, Task};
 
 use crate::kernels::Block;
-use crate::plane::PlaneScene;
 use crate::plane::shortest_path::Route;
+use crate::plane::{PlaneScene, points};
 use crate::profile::Profile;
 use crate::trajectory::{Trajectory, Violation};
 
@@ -205,6 +205,13 @@ impl Scene {
             Self::Plane(plane) => {
                 plane.path_is_free([start[0], start[1]], x, [goal[0], goal[1]], free)
             }
+        }
+    }
+
+    /// Whether the robot may move along a trajectory: [`Scene::check`] without a reason.
+    pub fn is_free(&self, trajectory: &Trajectory) -> bool {
+        match self {
+            Self::Plane(plane) => plane.certifier().is_certified(points(trajectory)),
         }
     }
 

@@ -28,9 +28,11 @@ impl Tree {
     /// A tree of one node `root [dof]`, in the space within `limits [dof]`.
     pub(super) fn new(root: &[f64], limits: &[[f64; 2]]) -> Self {
         let axes = [limits[0], limits[1.min(limits.len() - 1)]];
+        let mut points = Vec::with_capacity(32 * root.len());
+        points.extend_from_slice(root);
         Self {
             dof: root.len(),
-            points: root.to_vec(),
+            points,
             parents: vec![0],
             least: axes.map(|[least, _]| least),
             sides: axes.map(|[least, most]| (most - least) / PER_AXIS as f64),
