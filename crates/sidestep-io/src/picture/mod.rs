@@ -22,6 +22,7 @@
 mod axis;
 mod canvas;
 mod chart;
+mod clip;
 mod color;
 mod font;
 mod legend;

@@ -6,6 +6,7 @@ use tiny_skia::{
 };
 
 use super::canvas::{Anchor, Canvas, Frame, Pixel, Shape, Stroke, Text};
+use super::clip::Window;
 use super::color::{Color, WHITE};
 use super::font;
 use crate::error::{FormatError, Place};
@@ -15,6 +16,12 @@ const MOST_SIDE: u32 = 16_384;
 
 /// Coordinates are held within this; beyond it f32 and the rasteriser lose the picture.
 const FARTHEST: f64 = 20_000.0;
+
+/// Circles of a larger radius are drawn by the part of them that can be seen.
+const LARGEST_CIRCLE: f64 = 2_000.0;
+
+/// How far beyond the bitmap shapes reach that are cut to it; more than half of any stroke's width.
+const BEYOND: f64 = 50.0;
 
 /// The PNG of a canvas at `scale` pixels per unit.
 pub(super) fn write(canvas: &Canvas, scale: f64) -> Result<Vec<u8>, FormatError> {
@@ -60,22 +67,41 @@ fn draw(pixmap: &mut Pixmap, shapes: &[Shape], transform: Transform, mask: Optio
         match shape {
             Shape::Area { rings, fill } => {
                 let mut path = PathBuilder::new();
-                rings.iter().for_each(|ring| add_points(&mut path, ring, true));
+                for ring in rings {
+                    match is_far(ring) {
+                        true => add_points(&mut path, &window(pixmap, transform).ring(ring), true),
+                        false => add_points(&mut path, ring, true),
+                    }
+                }
                 fill_path(pixmap, path.finish(), *fill, transform, mask);
             }
             Shape::Line { points, closed, stroke } => {
                 let mut path = PathBuilder::new();
-                add_points(&mut path, points, *closed);
+                if is_far(points) {
+                    let parts = window(pixmap, transform).line(points, *closed);
+                    parts.iter().for_each(|part| add_points(&mut path, part, false));
+                } else {
+                    add_points(&mut path, points, *closed);
+                }
                 stroke_path(pixmap, path.finish(), stroke, transform, mask);
             }
             Shape::Circle { center, radius, fill, stroke } => {
                 let [x, y] = point(*center);
-                let path = || PathBuilder::from_circle(x, y, held(*radius));
+                let large = *radius > LARGEST_CIRCLE || is_far(&[*center]);
+                let path = || {
+                    if !large {
+                        return PathBuilder::from_circle(x, y, held(*radius));
+                    }
+                    let mut path = PathBuilder::new();
+                    add_points(&mut path, &window(pixmap, transform).disc(*center, *radius), true);
+                    path.finish()
+                };
+                let (filled, outlined) = (fill.and_then(|_| path()), stroke.and_then(|_| path()));
                 if let Some(fill) = fill {
-                    fill_path(pixmap, path(), *fill, transform, mask);
+                    fill_path(pixmap, filled, *fill, transform, mask);
                 }
                 if let Some(stroke) = stroke {
-                    stroke_path(pixmap, path(), stroke, transform, mask);
+                    stroke_path(pixmap, outlined, stroke, transform, mask);
                 }
             }
             Shape::Image { frame, width, height, rgb } => {
@@ -99,6 +125,18 @@ fn paint(color: Color) -> Paint<'static> {
     let mut paint = Paint { anti_alias: true, ..Paint::default() };
     paint.set_color(paint_color(color));
     paint
+}
+
+/// Whether a shape reaches farther than the rasteriser can follow it.
+fn is_far(points: &[Pixel]) -> bool {
+    points.iter().flatten().any(|value| value.abs() > FARTHEST)
+}
+
+/// What the bitmap shows, and a little more, in the canvas's units.
+fn window(pixmap: &Pixmap, transform: Transform) -> Window {
+    let size = [pixmap.width(), pixmap.height()].map(f64::from);
+    let scale = f64::from(transform.sx);
+    Window { min: [-BEYOND; 2], max: size.map(|pixels| pixels / scale + BEYOND) }
 }
 
 fn held(value: f64) -> f32 {

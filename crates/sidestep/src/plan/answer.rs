@@ -54,6 +54,14 @@ pub enum Reason {
         /// What is wrong with the straight-line start's last iterate.
         violation: Violation,
     },
+    /// The optimizer left for infinity.
+    #[error("the optimizer diverged after {steps} steps; before that, {violation}")]
+    Diverged {
+        /// Steps made.
+        steps: usize,
+        /// What is wrong with the last iterate before.
+        violation: Violation,
+    },
     /// The caller broke off.
     #[error("the time budget is spent after {steps} steps; {violation}")]
     BrokenOff {

@@ -91,7 +91,9 @@ fn chosen(objective: &Objective, options: &Options, attempts: Vec<Attempt>) -> P
         // Also where the paper's check refuses a point on a wall that the exact one passes.
         Ok(certified) => Plan { status: Status::Solved(certified), attempt: None, steps, origin },
         Err(Refused { violation, trajectory }) => {
-            let reason = if steps < options.steps {
+            let reason = if attempt.run.diverged {
+                Reason::Diverged { steps, violation }
+            } else if steps < options.steps {
                 Reason::BrokenOff { steps, violation }
             } else {
                 Reason::StepsSpent { steps, starts, violation }

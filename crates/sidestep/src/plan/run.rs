@@ -40,6 +40,8 @@ pub struct Run {
     pub first_feasible: Option<usize>,
     /// Whether the last iterate passes the profile's check.
     pub feasible_at_end: bool,
+    /// Whether the run ended because the optimizer's next iterate was no trajectory.
+    pub diverged: bool,
     /// First iterate that the exact certificate passes.
     pub first_certified: Option<usize>,
     /// The certified iterate of least U.
@@ -55,7 +57,11 @@ pub struct Best {
     pub waypoints: Vec<f32>,
 }
 
-/// Walks `x` downhill for at most `steps` steps; `x` ends at the last iterate. `watch` sees each
+/// Normalised coordinates beyond this, or that are no numbers, are no trajectory: 150,000 fields away.
+const FARTHEST: f32 = 1e6;
+
+/// Walks `x` downhill for at most `steps` steps; `x` ends at the last iterate, the last one before the
+/// optimizer diverged if it did. `watch` sees each
 /// iterate and may break off.
 pub fn run(
     objective: &mut Objective,
@@ -66,6 +72,7 @@ pub fn run(
     mut watch: impl FnMut(&Iteration<'_>) -> ControlFlow<()>,
 ) -> Run {
     let mut gradient = vec![0.0; x.len()];
+    let mut last = x.to_vec();
     let mut run = Run::default();
     let exact_profile = objective.feasible_means_certified();
     let sees_segments = optimizer.uses_free_segments();
@@ -103,7 +110,13 @@ pub fn run(
             break;
         }
         let cost = cost.unwrap_or_default();
+        last.copy_from_slice(x);
         optimizer.step(x, Known { cost, gradient: &gradient, free: &free }, objective);
+        if !x.iter().all(|value| value.abs() <= FARTHEST) {
+            x.copy_from_slice(&last);
+            run.diverged = true;
+            break;
+        }
     }
     run
 }
