@@ -19,6 +19,20 @@ impl Failure {
     }
 }
 
+/// Characters of a message that are shown; past them somebody's file is being repeated.
+const LONGEST: usize = 2000;
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(message) = self;
+        let Some((end, _)) = message.char_indices().nth(LONGEST) else {
+            return f.write_str(message);
+        };
+        let left_out = message.chars().count() - LONGEST;
+        write!(f, "{}... ({left_out} more characters)", &message[..end])
+    }
+}
+
 impl From<sidestep::InvalidInput> for Failure {
     fn from(error: sidestep::InvalidInput) -> Self {
         Self(error.to_string())

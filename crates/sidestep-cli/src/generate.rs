@@ -18,6 +18,9 @@ pub const MAX_COUNT: usize = 1_000_000;
 
 /// Arguments of `generate`.
 #[derive(Args)]
+#[command(
+    after_help = "Example:\n  sidestep generate --suite hard --count 100 --seed 7 --out tasks.jsonl"
+)]
 pub struct GenerateArgs {
     /// easy, hard, hard-training, mix, time or varied
     #[arg(long)]

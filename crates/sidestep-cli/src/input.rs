@@ -11,7 +11,7 @@ use sidestep_io::input::{Content, Format, Question};
 use sidestep_io::ros_map::Unknown;
 
 use crate::failure::Failure;
-use crate::source;
+use crate::{output, source};
 
 pub use crate::source::text as read_text;
 
@@ -81,7 +81,7 @@ pub fn read(path: &Path, args: &InputArgs, question: Question) -> Result<Input, 
         .map_err(|error| Failure::file(path, error))?;
     drop(bytes);
     for warning in &input.warnings {
-        eprintln!("warning: {}: {warning}", path.display());
+        output::tell(&format!("warning: {}: {warning}", path.display()));
     }
     let tasks = match input.content {
         Content::Map(world) => map_tasks(path, world, args, &question)?,
@@ -137,6 +137,14 @@ pub fn parse_point(text: &str) -> Result<Point, String> {
         let value: f64 = part.trim().parse().map_err(|_| format!("`{part}` is not a number"))?;
         if value.is_finite() { Ok(value) } else { Err(format!("`{part}` is not finite")) }
     };
-    let (x, y) = text.split_once(',').ok_or("expected X,Y")?;
-    Ok([number(x)?, number(y)?])
+    // As people write points elsewhere: (1, 2) or [1, 2].
+    let inner = text.trim().trim_matches(['(', ')', '[', ']']);
+    let parts: Vec<&str> = inner.split(',').collect();
+    match parts[..] {
+        [x, y] => Ok([number(x)?, number(y)?]),
+        _ => Err(format!(
+            "expected X,Y, two numbers; found {} (a heading means nothing here)",
+            parts.len()
+        )),
+    }
 }

@@ -6,16 +6,21 @@
 //! document and nothing else; progress and messages go to standard error. An output that nobody
 //! reads (a closed pipe) and messages that cannot be shown change no exit code.
 
+mod arguments;
 mod bench;
+mod completions;
 mod experiment;
 mod failure;
 mod generate;
+mod info;
 mod input;
 mod machine;
-mod oracle;
+mod obstacle;
 mod output;
 mod plan;
+mod planners;
 mod planning;
+mod shortest;
 mod source;
 mod table;
 mod threads;
@@ -23,13 +28,16 @@ mod train;
 
 use std::ffi::OsString;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use failure::Failure;
 
 /// Optimisation-based motion planning with classical and learned optimizers.
 #[derive(Parser)]
-#[command(name = "sidestep", version, propagate_version = true)]
+#[command(name = "sidestep", version = env!("SIDESTEP_VERSION"), propagate_version = true)]
+#[command(after_help = "Example:\n  sidestep plan TASK.json --png picture.png\n\n\
+    `sidestep VERB --help` has examples of each verb. Exit codes: 0 a certified plan, or done; \
+    1 no certified plan; 2 bad input.")]
 struct Cli {
     #[command(flatten)]
     global: Global,
@@ -41,13 +49,19 @@ struct Cli {
 #[derive(Args, Clone)]
 struct Global {
     /// Threads to use, at most 512; 0 uses all cores. Results do not depend on it
-    #[arg(long, global = true, default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        global = true,
+        default_value_t = 0,
+        allow_negative_numbers = true,
+        help_heading = "Every verb"
+    )]
     threads: usize,
     /// No progress bars or messages
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = "Every verb")]
     quiet: bool,
     /// Print one JSON document on standard output
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = "Every verb")]
     json: bool,
 }
 
@@ -66,7 +80,16 @@ enum Verb {
     /// Train a policy
     Train(train::TrainArgs),
     /// Exact shortest path of each task, or the proof that there is none
-    Oracle(oracle::OracleArgs),
+    Shortest(shortest::ShortestArgs),
+    /// List the planners and their settings
+    Planners(planners::PlannersArgs),
+    /// Say what a policy is: what it sees, its size, how it was trained
+    Info(info::InfoArgs),
+    /// Print completions for a shell
+    Completions(completions::CompletionsArgs),
+    /// Write manual pages
+    #[command(hide = true)]
+    Man(completions::ManArgs),
 }
 
 /// Runs the program on a command line that begins with the program's name, and answers its exit
@@ -76,7 +99,8 @@ where
     I: IntoIterator,
     I::Item: Into<OsString> + Clone,
 {
-    let cli = match Cli::try_parse_from(arguments) {
+    let arguments = arguments::understood(arguments.into_iter().map(Into::into));
+    let cli = match Cli::try_parse_from(arguments.words) {
         Ok(cli) => cli,
         Err(message) => {
             // Help and usage that cannot be shown are nobody's mistake.
@@ -84,10 +108,13 @@ where
             return if message.use_stderr() { 2 } else { 0 };
         }
     };
+    if !cli.global.quiet {
+        arguments.notes.iter().for_each(|note| output::tell(&format!("note: {note}")));
+    }
     match run(cli) {
         Ok(code) => code,
-        Err(Failure(message)) => {
-            output::tell(&format!("error: {message}"));
+        Err(failure) => {
+            output::tell(&format!("error: {failure}"));
             2
         }
     }
@@ -104,6 +131,10 @@ fn run(cli: Cli) -> Result<u8, Failure> {
         Verb::Table(args) => table::run(&args, global).map(done),
         Verb::Experiment(args) => experiment::run(&args, global).map(done),
         Verb::Train(args) => train::run(&args, global).map(done),
-        Verb::Oracle(args) => oracle::run(&args, global).map(done),
+        Verb::Shortest(args) => shortest::run(&args, global).map(done),
+        Verb::Planners(_) => planners::run(global).map(done),
+        Verb::Info(args) => info::run(&args, global).map(done),
+        Verb::Completions(args) => completions::run(&args, Cli::command(), global).map(done),
+        Verb::Man(args) => completions::manual(&args, Cli::command(), global).map(done),
     }
 }

@@ -5,13 +5,16 @@ use std::sync::Arc;
 
 use clap::Args;
 use sidestep::error::InvalidInput;
-use sidestep::plan::parse_planner;
 use sidestep::plan::starts::StartStrategy;
-use sidestep::plan::{Options, Planner};
+use sidestep::plan::{Options, PLANNERS, Planner, parse_planner};
 use sidestep::policy::Policy;
 use sidestep::profile::Profile;
 
 use crate::failure::Failure;
+use crate::source;
+
+/// Most waypoints that can be asked for: with more, a policy's step takes longer than most plans.
+const MAX_WAYPOINTS: usize = 10_000;
 
 /// How to plan.
 #[derive(Args, Clone)]
@@ -34,7 +37,7 @@ pub struct PlanningArgs {
     /// Distance under which closeness to obstacles costs, in task units [default: a 6.4th of
     /// the field, on a map at most the typical clearance]
     #[arg(long, allow_negative_numbers = true)]
-    clearance: Option<f64>,
+    epsilon: Option<f64>,
     /// Seed of random starts, random planners and what a file of worlds leaves open
     #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
     pub seed: u64,
@@ -47,13 +50,19 @@ impl PlanningArgs {
         let policy = planners.iter().find_map(|planner| planner.policy());
         let default_profile = policy.and_then(|policy| policy.fixed_profile()).unwrap_or("default");
         let mut profile = self.profile.as_deref().unwrap_or(default_profile).parse::<Profile>()?;
-        if let Some(clearance) = self.clearance {
-            if !(clearance > 0.0 && clearance <= extent) {
+        if let Some(epsilon) = self.epsilon {
+            if !(epsilon > 0.0 && epsilon <= extent) {
                 let allowed = format!("a number above 0 and at most {extent}, the field's extent");
-                return Err(InvalidInput::new("--clearance", clearance, allowed).into());
+                return Err(InvalidInput::new("--epsilon", epsilon, allowed).into());
             }
             profile.fits_epsilon_to_maps = false;
-            profile.epsilon = clearance / extent * sidestep::profile::NORMALISED_EXTENT;
+            profile.epsilon = epsilon / extent * sidestep::profile::NORMALISED_EXTENT;
+        }
+        if let Some(waypoints) = self.waypoints
+            && !(1..=MAX_WAYPOINTS).contains(&waypoints)
+        {
+            let allowed = format!("a number from 1 to {MAX_WAYPOINTS}");
+            return Err(InvalidInput::new("--waypoints", waypoints, allowed).into());
         }
         let options = Options {
             profile,
@@ -71,7 +80,12 @@ impl PlanningArgs {
 
 /// The planner of that name; a policy is read from its file.
 pub fn planner(name: &str) -> Result<Planner, Failure> {
-    Ok(parse_planner(name, &mut |path| load_policy(Path::new(path)).map(Arc::new))?)
+    let planner = parse_planner(name, &mut |path| load_policy(Path::new(path)).map(Arc::new));
+    let kind = name.split(':').next().unwrap_or_default();
+    planner.map_err(|error| match PLANNERS.iter().any(|known| known.name == kind) {
+        true => error,
+        false => Failure(format!("{error} (`sidestep planners` describes them)")),
+    })
 }
 
 /// The planners of a list: repeated, or with commas between them. A word `key=value` after a comma is
@@ -93,22 +107,23 @@ pub fn planner_names(words: &[String]) -> Vec<String> {
 /// The file of a planner that is a policy of the user's.
 pub fn policy_file(name: &str) -> Option<PathBuf> {
     let (kind, path) = name.split_once(':')?;
-    ["learned", "auto-with"].contains(&kind).then(|| path.into())
+    ["learned", "auto-with"].contains(&kind).then(|| in_folder(path.as_ref()))
 }
 
-/// Reads a policy file.
-pub fn load_policy(path: &Path) -> Result<Policy, InvalidInput> {
-    let describe = |field: &str, reason: String| {
-        InvalidInput::new(
-            format!("{}: {field}", path.display()),
-            reason,
-            "a policy file (.safetensors)",
-        )
-    };
-    let bytes =
-        crate::source::companion(path).map_err(|error| describe("file", error.to_string()))?;
-    Policy::from_safetensors(&bytes).map_err(|error| InvalidInput {
-        field: format!("{}: {}", path.display(), error.field),
-        ..error
-    })
+/// The policy of a training's folder where the path is one, else the path.
+fn in_folder(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(POLICY_FILE) } else { path.into() }
+}
+
+/// The name that a training gives its policy.
+const POLICY_FILE: &str = "policy.safetensors";
+
+/// Reads a policy file, or that of a training's folder.
+pub fn load_policy(path: &Path) -> Result<Policy, Failure> {
+    let path = &in_folder(path);
+    let bytes = source::companion(path).map_err(|error| {
+        let expected = "expected a policy file (.safetensors) or the folder of a training";
+        Failure::file(path, format!("cannot be read ({error}); {expected}"))
+    })?;
+    Policy::from_safetensors(&bytes).map_err(|error| Failure::file(path, error))
 }

@@ -21,7 +21,7 @@ impl InvalidInput {
         value: impl std::fmt::Display,
         allowed: impl Into<String>,
     ) -> Self {
-        Self { field: field.into(), value: value.to_string(), allowed: allowed.into() }
+        Self { field: field.into(), value: shortened(value.to_string()), allowed: allowed.into() }
     }
 
     /// A name that is none of the known ones, with the nearest one where it may be a slip.
@@ -38,14 +38,31 @@ impl InvalidInput {
     }
 }
 
+/// Longest name that is compared with others; nobody mistypes a longer one.
+const LONGEST_NAME: usize = 64;
+
 /// The name among `known` nearest to `name` by edit distance, if near enough to suggest.
 pub fn nearest_name<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    if name.len() > LONGEST_NAME {
+        return None;
+    }
     known
         .into_iter()
         .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
         .min_by_key(|(distance, _)| *distance)
         .filter(|(distance, candidate)| *distance <= candidate.len().max(3) / 2)
         .map(|(_, candidate)| candidate)
+}
+
+/// Characters of a value that a message repeats: enough to find it, and no more than a line or two.
+const LONGEST_VALUE: usize = 160;
+
+/// The value, or its beginning where it is long.
+fn shortened(value: String) -> String {
+    match value.char_indices().nth(LONGEST_VALUE) {
+        Some((end, _)) => format!("{}... ({} characters)", &value[..end], value.chars().count()),
+        None => value,
+    }
 }
 
 /// Largest magnitude of a coordinate, in task units; squares and sums stay finite in f32 beyond it.

@@ -102,6 +102,7 @@ pub fn row(
             .filter(|_| shares.len() >= 3)
             .unwrap_or_else(|| wilson_interval(successes, tasks)),
         success_by_group: shares,
+        outcomes: outcomes.iter().map(|plans| digits(plans)).collect(),
         success_of_solvable: (solvable > 0).then(|| solved_solvable as f64 / solvable as f64),
         contradictions,
         iterations_mean: every.as_ref().and_then(|every| mean(&every.solved_iterations())),
@@ -115,6 +116,11 @@ pub fn row(
         length_ratio_median: quantile(&mut ratios, 0.5),
         roughness_median: quantile(&mut roughness, 0.5),
     })
+}
+
+/// A digit for each plan: whether it is solved.
+fn digits(plans: &[Plan]) -> String {
+    plans.iter().map(|plan| if plan.is_solved() { '1' } else { '0' }).collect()
 }
 
 /// Fails if a learned planner does not fit a task: better before hours of measuring than after.

@@ -35,42 +35,49 @@ use report::Report;
 const TASK_FLAGS: [&str; 7] =
     ["tasks", "limit", "spread", "by_file", "robot_radius", "unknown_is_free", "random_queries"];
 
+const EXAMPLES: &str = "\
+Examples:
+  sidestep bench --suite easy --planner gd,adam,sidestep-1 --out report.json
+  sidestep bench --suite hard --count 300 --seeds 2,12 --planner gd:step=0.5 --starts 5
+  sidestep bench --tasks maps/*.map --random-queries 50 --by-file --planner auto";
+
 /// Arguments of `bench`.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub struct BenchArgs {
     /// Suite: easy, hard, hard-training, mix, time or varied
-    #[arg(long, conflicts_with_all = TASK_FLAGS)]
+    #[arg(long, conflicts_with_all = TASK_FLAGS, help_heading = "Tasks")]
     suite: Option<String>,
     /// Tasks per seed
-    #[arg(long, default_value_t = 1000, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1000, allow_negative_numbers = true, help_heading = "Tasks")]
     count: usize,
     /// Task seeds of the suite
-    #[arg(long, num_args = 1.., value_delimiter = ',', default_values_t = [2, 12, 22, 32, 42])]
+    #[arg(long, num_args = 1.., value_delimiter = ',', default_values_t = [2, 12, 22, 32, 42], help_heading = "Tasks")]
     seeds: Vec<u64>,
     /// Files in place of a suite: tasks, maps and worlds as `plan` reads them
-    #[arg(long, num_args = 1..)]
+    #[arg(long, num_args = 1.., help_heading = "Tasks")]
     tasks: Vec<PathBuf>,
     /// Use at most this many tasks of each file, the first ones
-    #[arg(long)]
+    #[arg(long, help_heading = "Tasks")]
     limit: Option<usize>,
     /// Take the tasks of --limit evenly from the whole file
-    #[arg(long, requires = "limit")]
+    #[arg(long, requires = "limit", help_heading = "Tasks")]
     spread: bool,
     /// A row for each file instead of one over all
-    #[arg(long, requires = "tasks")]
+    #[arg(long, requires = "tasks", help_heading = "Tasks")]
     by_file: bool,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Tasks")]
     from: InputArgs,
     /// Planners, as NAME[:key=value,...]; `sidestep planners` lists them
-    #[arg(long, num_args = 1.., required = true)]
+    #[arg(long, num_args = 1.., required = true, help_heading = "Planner")]
     planner: Vec<String>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Planner")]
     planning: PlanningArgs,
     /// Tasks per seed or file that are timed, one after the other on one thread
-    #[arg(long, default_value_t = 200, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 200, allow_negative_numbers = true, help_heading = "Output")]
     timed: usize,
     /// Write the report here
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     out: Option<PathBuf>,
 }
 
@@ -138,6 +145,7 @@ pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
 /// Fails if the report could not be written or would replace one of these.
 fn check_output(args: &BenchArgs, inputs: &[PathBuf]) -> Result<(), Failure> {
     let outputs: Vec<_> = args.out.iter().map(|out| ("--out", out.as_path())).collect();
+    outputs.iter().try_for_each(|&out| output::check_suffix(out, &["json"]))?;
     output::check_outputs(&outputs, inputs)
 }
 

@@ -66,6 +66,10 @@ pub struct Row {
     pub success_ci95: [f64; 2],
     /// `success` of each seed or file.
     pub success_by_group: Vec<f64>,
+    /// Each task of each seed or file, in order: `1` where there is a certified plan, `0` where not. So that
+    /// planners can be compared task by task.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outcomes: Vec<String>,
     /// Certified plans over solvable tasks, where there are any.
     pub success_of_solvable: Option<f64>,
     /// Plans called solved on tasks that are proved unsolvable; anything but 0 is a fault.

@@ -65,6 +65,19 @@ pub fn check_outputs(outputs: &[Output<'_>], inputs: &[PathBuf]) -> Result<(), F
     Ok(())
 }
 
+/// Fails if a name ends in a suffix of another format than these; one without any has the first.
+pub fn check_suffix((flag, path): Output<'_>, known: &[&str]) -> Result<(), Failure> {
+    let Some(suffix) = path.extension().filter(|_| !is_special(path)) else { return Ok(()) };
+    let suffix = suffix.to_string_lossy().to_lowercase();
+    if known.contains(&suffix.as_str()) {
+        return Ok(());
+    }
+    let names: Vec<String> = known.iter().map(|known| format!(".{known}")).collect();
+    let expected =
+        format!("{}: expected a name that ends in {}", path.display(), names.join(" or "));
+    Err(Failure::at(flag, expected))
+}
+
 fn check_writable(target: &Path) -> io::Result<()> {
     remove_left_over(folder_of(target));
     temporary_beside(target)?;

@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use crate::failure::Failure;
-pub use files::{check_outputs, write_file};
+pub use files::{Output, check_outputs, check_suffix, write_file};
 
 /// Writes a value as JSON with a final newline.
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {

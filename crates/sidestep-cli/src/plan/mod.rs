@@ -9,67 +9,82 @@ use sidestep::objective::Objective;
 use sidestep::plan::run::Iteration;
 use sidestep::plan::{Plan, Planner, Status, Stop, Watch, plan_in};
 use sidestep::plane::geometry::Point;
-use sidestep::plane::points;
+use sidestep::plane::{explain, points};
 use sidestep::scene::Query;
-use sidestep::{InvalidInput, Task, Trajectory};
+use sidestep::{InvalidInput, Obstacle, Task, Trajectory};
 use sidestep_io::input::Question;
 use sidestep_io::plan_json::{self, PlanDocument, TraceStep};
 
 use crate::Global;
 use crate::failure::Failure;
 use crate::input::{self, Input, InputArgs, parse_point};
+use crate::obstacle::{parse_obstacle, with_obstacles};
 use crate::output;
-use crate::planning::{PlanningArgs, planner, policy_file};
+use crate::planning::{PlanningArgs, planner, planner_names};
 
 mod draw;
+mod files;
+
+const EXAMPLES: &str = "\
+Examples:
+  sidestep plan task.json --png picture.png
+  sidestep plan map.yaml --start 1.5,1.5 --goal 18,11 --robot-radius 0.2 --margin 0.05
+  sidestep plan task.json --planner gd --compare adam,sidestep-1 --trace --svg picture.svg
+  sidestep plan task.json --budget-ms 20 --out plan.json";
 
 /// Arguments of `plan`.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub struct PlanArgs {
     /// Task .json or .jsonl, MovingAI .map or .scen, ROS map .yaml, BARN worlds .json, MPNet worlds .dat
     input: PathBuf,
     /// Which task of the file, from 0
-    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true, help_heading = "Task")]
     index: usize,
     /// Start in place of the file's
-    #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
+    #[arg(long, value_parser = parse_point, allow_hyphen_values = true, help_heading = "Task")]
     start: Option<Point>,
     /// Goal in place of the file's
-    #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
+    #[arg(long, value_parser = parse_point, allow_hyphen_values = true, help_heading = "Task")]
     goal: Option<Point>,
-    #[command(flatten)]
+    /// An obstacle beside the file's: rect:X0,Y0,X1,Y1, circle:X,Y,RADIUS or polygon:X,Y;X,Y;X,Y; may be
+    /// repeated
+    #[arg(long, value_parser = parse_obstacle, help_heading = "Task")]
+    obstacle: Vec<Obstacle>,
+    #[command(flatten, next_help_heading = "Task")]
     from: InputArgs,
-    /// Planner, as NAME[:key=value,...]
-    #[arg(long, default_value = "auto")]
+    /// Planner, as NAME[:key=value,...]; `sidestep planners` lists them
+    #[arg(long, default_value = "auto", help_heading = "Planner")]
     planner: String,
-    /// Planners to draw beside the first, each in a panel of its own
-    #[arg(long)]
+    /// Planners to draw beside the first, each in a panel of its own: NAME,NAME
+    #[arg(long, help_heading = "Planner")]
     compare: Vec<String>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Planner")]
     planning: PlanningArgs,
     /// Use the whole budget and keep the best certified plan, instead of the first
-    #[arg(long)]
+    #[arg(long, help_heading = "Planner")]
     best: bool,
     /// Stop after this many milliseconds with the best certified plan so far
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, help_heading = "Planner")]
     budget_ms: Option<f64>,
-    /// Distance that the plan keeps from obstacles and walls, certified as if the robot were so much larger, in task units
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    /// Distance that the plan keeps from obstacles and walls, certified as if the robot were so much
+    /// larger, in task units
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, help_heading = "Task")]
     margin: f64,
     /// Start from the waypoints of this plan (a file that `plan --out` wrote)
-    #[arg(long)]
+    #[arg(long, help_heading = "Planner")]
     warm_start: Option<PathBuf>,
-    /// Write the result here as JSON
-    #[arg(long)]
+    /// Write the result here: .json, or .csv for the plan's points alone
+    #[arg(long, help_heading = "Output")]
     out: Option<PathBuf>,
-    /// Draw the task and the plan here
-    #[arg(long)]
+    /// Draw the task and the plan here, as PNG
+    #[arg(long, help_heading = "Output")]
     png: Option<PathBuf>,
-    /// Draw the task and the plan here
-    #[arg(long)]
+    /// Draw the task and the plan here, as SVG
+    #[arg(long, help_heading = "Output")]
     svg: Option<PathBuf>,
     /// Keep every iterate, in the JSON result and in pictures
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     trace: bool,
 }
 
@@ -83,25 +98,27 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
         let count = tasks.len();
         return Err(Failure::at("--index", format!("{} of {count} tasks, from 0", args.index)));
     }
-    let task = tasks.swap_remove(args.index);
+    let task = with_obstacles(tasks.swap_remove(args.index), &args.obstacle)?;
     let planner = planner(&args.planner)?;
-    let others: Vec<Planner> =
-        args.compare.iter().map(|name| self::planner(name)).collect::<Result<_, Failure>>()?;
-    check_outputs(args)?;
+    let compared = planner_names(&args.compare);
+    let others: Vec<Planner> = compared
+        .iter()
+        .map(|name| self::planner(name))
+        .collect::<Result<_, Failure>>()
+        .map_err(|error| Failure::at("--compare", error))?;
+    files::check(args, &compared)?;
     let attempt = attempt(args, &task, &args.planner, &planner)?;
     if args.png.is_some() || args.svg.is_some() {
-        let others: Vec<Attempt> = std::iter::zip(&args.compare, &others)
+        let others: Vec<Attempt> = std::iter::zip(&compared, &others)
             .map(|(name, planner)| self::attempt(args, &task, name, planner))
             .collect::<Result<_, Failure>>()?;
         draw::pictures(args, &task, std::iter::once(&attempt).chain(&others))?;
     }
     let status = attempt.plan.status.clone();
     let answer = PlanDocument { warnings, ..answer(args, &task, attempt) };
-    let text = answer.to_json();
-    let written =
-        args.out.as_ref().map_or(Ok(()), |path| output::write_file(path, text.as_bytes()));
+    let written = args.out.as_ref().map_or(Ok(()), |path| files::write(path, &answer));
     if global.json {
-        output::print(&text)?;
+        output::print(&answer.to_json())?;
     } else {
         output::print(&describe(&answer))?;
     }
@@ -111,22 +128,6 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
         Status::Invalid(_) => 2,
         _ => 1,
     })
-}
-
-/// Fails if a file could not be written, would replace what is read, or a flag would do nothing.
-fn check_outputs(args: &PlanArgs) -> Result<(), Failure> {
-    if !args.compare.is_empty() && args.png.is_none() && args.svg.is_none() {
-        let need =
-            "draws planners beside the first, so it needs a picture: --png FILE or --svg FILE";
-        return Err(Failure::at("--compare", need));
-    }
-    let outputs = [("--out", &args.out), ("--png", &args.png), ("--svg", &args.svg)];
-    let outputs: Vec<_> =
-        outputs.iter().filter_map(|(flag, path)| Some((*flag, path.as_deref()?))).collect();
-    let names = std::iter::once(&args.planner).chain(&args.compare);
-    let policies = names.filter_map(|name| policy_file(name));
-    let inputs = args.from.files().into_iter().chain(args.warm_start.clone()).chain(policies);
-    output::check_outputs(&outputs, &inputs.collect::<Vec<_>>())
 }
 
 /// What one planner did.
@@ -213,7 +214,10 @@ fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> PlanDocument {
     let optimal = || query.scene().exact(query.start(), query.goal(), &go_on)?.length();
     PlanDocument {
         status: plan.status.name(),
-        reason: plan.status.reason(),
+        reason: match (&plan.status, task.plane()) {
+            (Status::Invalid(violation), Ok(task)) => explain(&task, args.margin, violation),
+            (status, _) => status.reason(),
+        },
         task: task.name.clone(),
         planner,
         origin: certified.map(|_| plan.origin.to_string()),

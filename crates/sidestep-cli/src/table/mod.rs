@@ -2,8 +2,9 @@
 
 mod curves;
 mod experiment;
+mod splice;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
@@ -17,16 +18,31 @@ pub use experiment::{experiment_csv, experiment_markdown};
 
 /// Arguments of `table`.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub struct TableArgs {
     /// A report that `bench` or `experiment` wrote
-    report: PathBuf,
+    #[arg(required_unless_present = "splice")]
+    report: Option<PathBuf>,
     /// How to render it
     #[arg(long, value_enum, default_value_t = Format::Markdown)]
     format: Format,
     /// Also draw the learning curves of an experiment's policies (.svg or .png)
-    #[arg(long)]
+    #[arg(long, conflicts_with = "splice")]
     curves: Option<PathBuf>,
+    /// Write the tables of these Markdown files anew, each between `<!-- table: REPORT | HEADING... -->`
+    /// and `<!-- end of table -->`
+    #[arg(long, num_args = 1.., value_name = "FILE", conflicts_with = "report")]
+    splice: Vec<PathBuf>,
+    /// Write nothing; fail where a table is not what its report says
+    #[arg(long, requires = "splice")]
+    check: bool,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  sidestep table report.json
+  sidestep table report.json --format csv > report.csv
+  sidestep table --splice README.md docs/*.md";
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Format {
@@ -34,47 +50,58 @@ enum Format {
     Csv,
 }
 
+/// A report of either kind.
+enum Table {
+    Bench(Box<Report>),
+    Experiment(Box<ExperimentReport>),
+}
+
 /// Renders the report; as JSON, its rows or cells alone.
 pub fn run(args: &TableArgs, global: &Global) -> Result<(), Failure> {
-    let broken = |error| Failure::file(&args.report, format!("is not a report ({error})"));
-    let value: serde_json::Value =
-        serde_json::from_str(&read_text(&args.report)?).map_err(broken)?;
+    let Some(path) = &args.report else {
+        return splice::run(&args.splice, args.check, global);
+    };
     let curves: Vec<_> = args.curves.iter().map(|path| ("--curves", path.as_path())).collect();
-    output::check_outputs(&curves, std::slice::from_ref(&args.report))?;
-    let text = match value["format"].as_str() {
-        Some(FORMAT) => {
-            let report: Report = serde_json::from_value(value).map_err(broken)?;
-            if let Some(path) = &args.curves {
-                let reason = "cannot be drawn: a report of `bench` has no learning curves";
-                return Err(Failure::file(path, reason));
-            }
-            if global.json {
-                return output::print_json(&report.rows);
-            }
-            match args.format {
-                Format::Markdown => markdown(&report),
-                Format::Csv => csv(&report),
-            }
-        }
+    curves.iter().try_for_each(|&out| output::check_suffix(out, &["png", "svg"]))?;
+    output::check_outputs(&curves, std::slice::from_ref(path))?;
+    let table = read(path)?;
+    if let Some(path) = &args.curves {
+        let Table::Experiment(report) = &table else {
+            let reason = "cannot be drawn: a report of `bench` has no learning curves";
+            return Err(Failure::file(path, reason));
+        };
+        curves::write(report, path)?;
+    }
+    match (&table, args.format) {
+        (Table::Bench(report), _) if global.json => output::print_json(&report.rows),
+        (Table::Experiment(report), _) if global.json => output::print_json(&report.cells),
+        (_, Format::Markdown) => output::print(&markdown_of(&table)),
+        (Table::Bench(report), Format::Csv) => output::print(&csv(report)),
+        (Table::Experiment(report), Format::Csv) => output::print(&experiment_csv(report)),
+    }
+}
+
+/// Reads a report of either kind.
+fn read(path: &Path) -> Result<Table, Failure> {
+    let broken = |error| Failure::file(path, format!("is not a report ({error})"));
+    let value: serde_json::Value = serde_json::from_str(&read_text(path)?).map_err(broken)?;
+    match value["format"].as_str() {
+        Some(FORMAT) => serde_json::from_value(value).map(Table::Bench).map_err(broken),
         Some(report::FORMAT) => {
-            let report: ExperimentReport = serde_json::from_value(value).map_err(broken)?;
-            if let Some(path) = &args.curves {
-                curves::write(&report, path)?;
-            }
-            if global.json {
-                return output::print_json(&report.cells);
-            }
-            match args.format {
-                Format::Markdown => experiment_markdown(&report),
-                Format::Csv => experiment_csv(&report),
-            }
+            serde_json::from_value(value).map(Table::Experiment).map_err(broken)
         }
         other => {
             let found = format!("format {other:?}; expected {FORMAT:?} or {:?}", report::FORMAT);
-            return Err(Failure::file(&args.report, found));
+            Err(Failure::file(path, found))
         }
-    };
-    output::print(&text)
+    }
+}
+
+fn markdown_of(table: &Table) -> String {
+    match table {
+        Table::Bench(report) => markdown(report),
+        Table::Experiment(report) => experiment_markdown(report),
+    }
 }
 
 /// The cell of a figure that there is not.
@@ -126,6 +153,23 @@ pub fn markdown(report: &Report) -> String {
         "\nProfile {}, {} steps, {} waypoints{seeds}. `{}`, commit {}, {:.0} s on {} ({} threads).\n",
         s.profile, s.steps, s.waypoints, p.command, p.commit, p.seconds, p.processor, p.threads
     )
+}
+
+/// The columns of these headings, in this order, as a Markdown table.
+fn columns(report: &Report, headings: &[&str]) -> Result<String, String> {
+    let column = |heading: &&str| {
+        let known = COLUMNS.iter().find(|(name, _)| name == heading);
+        known.ok_or_else(|| {
+            let names = COLUMNS.map(|(name, _)| name).join(", ");
+            format!("there is no column `{heading}`; there are {names}")
+        })
+    };
+    let columns: Vec<&Column> = headings.iter().map(column).collect::<Result<_, _>>()?;
+    let mut lines: Vec<Vec<String>> = vec![headings.iter().map(ToString::to_string).collect()];
+    for row in &report.rows {
+        lines.push(columns.iter().map(|(_, cell)| cell(row, report)).collect());
+    }
+    Ok(grid(&lines))
 }
 
 /// Lines of cells as a Markdown table, the first line its heading.

@@ -46,6 +46,14 @@ fn reports() {
         }
         let number = |name: &str| row[name].as_f64().unwrap();
         assert_eq!((number("tasks"), number("contradictions")), (80.0, 0.0));
+        let outcomes: String = row["outcomes"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|group| group.as_str().unwrap())
+            .collect();
+        let solved = outcomes.matches('1').count();
+        assert_eq!((outcomes.len(), solved as f64 / 80.0), (80, number("success")));
         let [low, high] = [0, 1].map(|end| row["success_ci95"][end].as_f64().unwrap());
         assert!(low <= number("success") && number("success") <= high);
         assert!(number("length_ratio_median") >= 1.0 - 1e-9);

@@ -32,7 +32,7 @@ fn results_do_not_depend_on_threads() {
          --planner lbfgs --planner rrt-connect --planner shortest-path --planner auto",
         "bench --suite easy --count 15 --seeds 2,12,22 --profile paper --start-strategy paper \
          --starts 3 --timed 1 --planner gd",
-        "oracle mix.jsonl",
+        "shortest mix.jsonl",
     ] {
         let answer = |threads: usize| {
             let line = format!("{line} --json --quiet --threads {threads}");

@@ -9,7 +9,7 @@ fn generated_tasks_can_be_planned() {
     check(folder.path(), &format!("{line}.jsonl"), 0, &["8 tasks of easy (seed 3): tasks.jsonl"]);
     check(folder.path(), &format!("{line}.json"), 0, &[]);
     let answers =
-        |file: &str| check(folder.path(), &format!("oracle {file} --json"), 0, &[]).json();
+        |file: &str| check(folder.path(), &format!("shortest {file} --json"), 0, &[]).json();
     let solvable = answers("tasks.jsonl");
     assert_eq!(solvable, answers("tasks.json"));
     let solvable = solvable.as_array().unwrap();

@@ -9,6 +9,7 @@ mod cases;
 mod determinism;
 mod files;
 mod generate;
+mod mistakes;
 mod plan;
 mod table;
 mod train;
@@ -84,12 +85,24 @@ fn folder() -> TempDir {
 #[test]
 fn help_and_version() {
     let folder = folder();
-    let verbs = ["plan", "generate", "bench", "table", "oracle", "train", "experiment"];
+    let verbs = [
+        "plan",
+        "generate",
+        "bench",
+        "table",
+        "shortest",
+        "train",
+        "experiment",
+        "planners",
+        "info",
+        "completions",
+    ];
     check(folder.path(), "--help", 0, &verbs);
     check(folder.path(), "--version", 0, &["sidestep ", env!("CARGO_PKG_VERSION")]);
     check(folder.path(), "", 2, &["Usage"]);
     for verb in verbs {
-        check(folder.path(), &format!("{verb} --help"), 0, &["--threads", "--json", "--quiet"]);
+        let parts = ["--threads", "--json", "--quiet", "Every verb:"];
+        check(folder.path(), &format!("{verb} --help"), 0, &parts);
     }
 }
 
@@ -99,11 +112,40 @@ fn every_verb_prints_one_document_with_json() {
     for line in [
         "plan block.json --png plan.png",
         "generate --suite easy --count 3 --seed 1 --out tasks.jsonl",
-        "oracle tasks.jsonl",
+        "shortest tasks.jsonl",
         "bench --tasks tasks.jsonl --planner gd,stomp:rollouts=4,noise=0.3 --timed 0 --out report.json",
         "table report.json",
         "table report.json --format csv",
+        "planners",
+        "plan --planner help",
+        "info sidestep-1",
+        "completions zsh",
+        "man --out pages",
     ] {
         check(folder.path(), &format!("{line} --json"), 0, &[]).json();
     }
+}
+
+#[test]
+fn old_names_go_on_working_and_say_what_to_write() {
+    let folder = folder();
+    let line = "plan block.json --planner gd --waypoints 40 --clearance 0.3";
+    let old = check(folder.path(), line, 1, &["note: --clearance is called --epsilon now"]);
+    let new = check(folder.path(), &line.replace("clearance", "epsilon"), 1, &[]);
+    let until_time = |text: &str| text.split(" (gd, ").next().map(str::to_string);
+    assert_eq!(until_time(&old.stdout), until_time(&new.stdout));
+    check(folder.path(), "oracle free.json", 0, &["note: the verb `oracle`", "1 of 1 solvable"]);
+    let quiet = check(folder.path(), "oracle free.json --quiet", 0, &["1 of 1 solvable"]);
+    assert_eq!(quiet.stderr, "");
+}
+
+#[test]
+fn policies_say_what_they_are() {
+    let folder = folder();
+    let policies = concat!(env!("CARGO_MANIFEST_DIR"), "/../../policies");
+    let parts = ["parameters    6804", "profile       paper", "training.config.seed 0"];
+    check(folder.path(), &format!("info {policies}/gradient-4m.safetensors"), 0, &parts);
+    let card = check(folder.path(), "info sidestep-1-small --json", 0, &[]).json();
+    assert_eq!(card["format"], "sidestep.policy/1");
+    assert!(card["parameters"].as_u64().unwrap() > 1000);
 }

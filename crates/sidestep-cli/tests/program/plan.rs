@@ -136,6 +136,15 @@ fn devices_stay_devices() {
 }
 
 #[test]
+fn a_diverged_optimizer_leaves_numbers_to_start_from() {
+    let folder = folder();
+    let line = "plan block.json --planner gd:step=1000 --trace --json --out plan.json";
+    let answer = check(folder.path(), line, 1, &["the optimizer diverged after"]);
+    assert!(!answer.stdout.contains("[\n      null"), "{}", answer.stdout);
+    check(folder.path(), "plan block.json --warm-start plan.json", 0, &["solved"]);
+}
+
+#[test]
 fn the_time_budget_is_honoured() {
     let folder = folder();
     let line = "plan block.json --planner gd --steps 100000000 --budget-ms 200 --json";
@@ -153,7 +162,7 @@ fn the_time_budget_is_honoured() {
 fn a_plan_can_start_from_another() {
     let folder = folder();
     check(folder.path(), "plan block.json --planner shortest-path --out shortest.json", 0, &[]);
-    let line = "plan block.json --planner gd --waypoints 40 --clearance 0.3";
+    let line = "plan block.json --planner gd --waypoints 40 --epsilon 0.3";
     check(folder.path(), line, 1, &["unsolved"]);
     check(folder.path(), &format!("{line} --warm-start shortest.json"), 0, &["solved"]);
 }

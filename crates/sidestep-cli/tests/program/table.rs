@@ -35,3 +35,36 @@ fn broken_reports() {
         assert_eq!(outcome.stdout, "", "{name}");
     }
 }
+
+#[test]
+fn tables_in_documents_are_written_and_checked() {
+    let folder = folder();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let read = || std::fs::read_to_string(folder.path().join("page.md")).unwrap();
+    write("report.json", REPORT);
+    let end = "<!-- end of table: do not edit; sidestep table --splice FILE -->";
+    write(
+        "page.md",
+        &format!("# Page\n<!-- table: report.json | planner | tasks -->\n{end}\nfoot\n"),
+    );
+    let checked = "table --splice page.md --check";
+    check(folder.path(), checked, 2, &["page.md", "not what their reports say"]);
+    check(folder.path(), "table --splice page.md", 0, &[]);
+    let page = read();
+    assert!(page.starts_with("# Page\n<!-- table: report.json | planner | tasks -->\n\n| planner"));
+    assert!(page.ends_with(&format!("|\n\n{end}\nfoot\n")), "{page}");
+    check(folder.path(), checked, 0, &[]);
+    let rows: [(&str, &[&str]); 3] = [
+        (
+            "<!-- table: report.json | plan -->\n<!-- end of table -->",
+            &["line 1", "no column `plan`"],
+        ),
+        ("<!-- table: no.json -->\n<!-- end of table -->", &["line 1", "no.json: cannot be read"]),
+        ("\n<!-- table: report.json -->\n", &["page.md: line 2", "has no end"]),
+    ];
+    for (text, parts) in rows {
+        write("page.md", text);
+        check(folder.path(), "table --splice page.md", 2, parts);
+        assert_eq!(read(), text);
+    }
+}

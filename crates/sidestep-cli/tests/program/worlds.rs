@@ -38,9 +38,9 @@ fn every_kind_of_world_is_planned_on() {
         ("plan room.map --start 0.5,0.5 --goal 5.5,3.5", "certified"),
         ("plan room.map --random-queries 4 --index 3 --seed 1", "certified"),
         ("plan room.yaml --random-queries 2 --robot-radius 0.1", "certified"),
-        ("oracle barn.json", "2 of 2 solvable"),
-        ("oracle obs_perm2.dat", "3 of 3 solvable"),
-        ("oracle room.yaml --random-queries 9 --seed 2", "9 of 9 solvable"),
+        ("shortest barn.json", "2 of 2 solvable"),
+        ("shortest obs_perm2.dat", "3 of 3 solvable"),
+        ("shortest room.yaml --random-queries 9 --seed 2", "9 of 9 solvable"),
     ] {
         check(folder.path(), arguments, 0, &[expected]);
     }

@@ -12,6 +12,7 @@ mod optimize;
 mod options;
 pub(crate) mod parallel;
 mod planner;
+mod planner_name;
 pub mod rrt_connect;
 pub mod run;
 pub mod smooth;
@@ -20,7 +21,8 @@ pub mod starts;
 pub use answer::{Origin, Plan, Reason, Status};
 pub use auto::Auto;
 pub use options::{MAX_STARTS, MAX_STEPS, Options, Stop, Watch};
-pub use planner::{PLANNERS, Planner, parse_planner};
+pub use planner::Planner;
+pub use planner_name::{PLANNERS, PlannerName, PlannerSetting, parse_planner};
 
 use std::sync::Arc;
 

@@ -5,6 +5,7 @@
 mod bit_grid;
 pub mod certificate;
 pub mod distance;
+mod explain;
 mod frame;
 pub mod geometry;
 mod robot;
@@ -15,6 +16,7 @@ pub mod surroundings;
 pub mod view;
 pub mod world;
 
+pub use explain::explain;
 pub use frame::Frame;
 pub use robot::Robot;
 pub use scene::{MOST_SHAPES_OF_A_FIELD, PlaneScene, Subject};

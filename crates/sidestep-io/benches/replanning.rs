@@ -1,7 +1,7 @@
 //! Obstacles move step by step, and each planner plans again: from its last plan, or anew. One thread.
 //!
-//! `cargo run --release -p sidestep-io --example replanning -- 200 > reports/replanning.json`
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example that measures")]
+//! `cargo bench -p sidestep-io --bench replanning -- 200 > reports/replanning.json`
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a program that measures")]
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -35,7 +35,10 @@ struct Row {
 }
 
 fn main() {
-    let count: usize = std::env::args().nth(1).map_or(200, |text| text.parse().unwrap());
+    let count: usize = std::env::args()
+        .skip(1)
+        .find(|word| word != "--bench")
+        .map_or(200, |text| text.parse().unwrap());
     let learned = || Method::Learned(shipped::sidestep_1());
     let descent = || Method::GradientDescent { step: None };
     let row = |name, planner, steps, is_warm| Row {
@@ -79,7 +82,7 @@ fn main() {
     let table: Vec<_> = rows.iter_mut().map(Row::json).collect();
     let report = serde_json::json!({
         "what": "replanning after one of ten obstacles moved by up to 3 px along each axis",
-        "command": format!("cargo run --release -p sidestep-io --example replanning -- {count}"),
+        "command": format!("cargo bench -p sidestep-io --bench replanning -- {count}"),
         "tasks": count,
         "moves": MOVES,
         "seed": 2,

@@ -1,4 +1,4 @@
-//! `sidestep oracle`: the exact shortest path of each task, or the proof that there is none.
+//! `sidestep shortest`: the exact shortest path of each task, or the proof that there is none.
 
 use std::path::PathBuf;
 
@@ -16,9 +16,12 @@ use crate::failure::Failure;
 use crate::input::{self, InputArgs};
 use crate::output;
 
-/// Arguments of `oracle`.
+/// Arguments of `shortest`.
 #[derive(Args)]
-pub struct OracleArgs {
+#[command(
+    after_help = "Examples:\n  sidestep shortest tasks.jsonl\n  sidestep shortest map.yaml --random-queries 20 --robot-radius 0.2 --json"
+)]
+pub struct ShortestArgs {
     /// Task .json or .jsonl, MovingAI .map or .scen, ROS map .yaml, BARN worlds .json, MPNet worlds .dat
     tasks: PathBuf,
     #[command(flatten)]
@@ -41,7 +44,7 @@ struct Answer {
 }
 
 /// Answers every task.
-pub fn run(args: &OracleArgs, global: &Global) -> Result<(), Failure> {
+pub fn run(args: &ShortestArgs, global: &Global) -> Result<(), Failure> {
     let question = Question { seed: args.seed, ..Question::default() };
     let tasks = input::read(&args.tasks, &args.from, question)?.tasks;
     let bar = output::progress("exact shortest paths", tasks.len() as u64, global.quiet);

@@ -1,8 +1,8 @@
 //! Plans many tasks with `auto` and checks every answer with arithmetic that shares nothing with the certificate:
 //! segments are clipped against rectangles by Liang and Barsky's method, and *unsolvable* is held against a flood fill.
 //!
-//! `cargo run --release -p sidestep-io --example audit -- 100000 > reports/audit.json`
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example that measures")]
+//! `cargo bench -p sidestep-io --bench audit -- 100000 > reports/audit.json`
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a program that measures")]
 
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -20,7 +20,10 @@ const SEEDS: [u64; 5] = [2, 12, 22, 32, 42];
 const FINE: usize = 8;
 
 fn main() {
-    let count: usize = std::env::args().nth(1).map_or(100_000, |text| text.parse().unwrap());
+    let count: usize = std::env::args()
+        .skip(1)
+        .find(|word| word != "--bench")
+        .map_or(100_000, |text| text.parse().unwrap());
     let begin = Instant::now();
     let planner = Planner::Auto(Auto::default());
     let options = Options::default();
@@ -32,7 +35,7 @@ fn main() {
     }
     let report = serde_json::json!({
         "what": "every answer of `auto`, checked by clipping and flood fill",
-        "command": format!("cargo run --release -p sidestep-io --example audit -- {count}"),
+        "command": format!("cargo bench -p sidestep-io --bench audit -- {count}"),
         "seeds": SEEDS,
         "easy": easy.json(),
         "hard": hard.json(),

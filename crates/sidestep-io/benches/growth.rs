@@ -1,7 +1,7 @@
 //! How time grows with obstacles, waypoints and tasks: a report and a picture.
 //!
-//! `cargo run --release -p sidestep-io --example growth -- docs/images/growth.png > reports/growth.json`
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example that measures")]
+//! `cargo bench -p sidestep-io --bench growth -- ../../docs/images/growth.png > reports/growth.json`; without a name, no picture.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a program that measures")]
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ use sidestep_io::picture::{BandPoint, Chart, Picture};
 type Curve = (&'static str, Vec<[f64; 2]>);
 
 fn main() {
-    let picture = std::env::args().nth(1).unwrap();
+    let picture = std::env::args().skip(1).find(|word| word != "--bench");
     let parts = [
         ("obstacles", "us per plan (median of 20, scene included)", obstacles()),
         ("waypoints", "us per iteration (median of 200)", waypoints()),
@@ -47,7 +47,9 @@ fn main() {
             .collect();
         report.insert((*x).to_string(), json!({"measure": y, "curves": curves}));
     }
-    std::fs::write(&picture, drawing.to_png(2.0).unwrap()).unwrap();
+    if let Some(picture) = picture {
+        std::fs::write(picture, drawing.to_png(2.0).unwrap()).unwrap();
+    }
     println!("{}", serde_json::to_string_pretty(&report).unwrap());
 }
 
