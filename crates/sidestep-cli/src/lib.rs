@@ -5,6 +5,9 @@
 //! or usage, or a result that could not be written. With `--json`, standard output holds one JSON
 //! document and nothing else; progress and messages go to standard error. An output that nobody
 //! reads (a closed pipe) and messages that cannot be shown change no exit code.
+//!
+//! `SIDESTEP_KERNELS=portable`, `avx2` or `avx512` keeps to the kernels of that instruction set
+//! ([`sidestep::kernels`]), to reproduce what another machine answers.
 
 mod arguments;
 mod bench;
@@ -14,6 +17,7 @@ mod failure;
 mod generate;
 mod info;
 mod input;
+mod kernels;
 mod machine;
 mod obstacle;
 mod output;
@@ -122,6 +126,7 @@ where
 
 fn run(cli: Cli) -> Result<u8, Failure> {
     let global = &cli.global;
+    kernels::limit()?;
     threads::start(global.threads)?;
     let done = |()| 0;
     match cli.verb {

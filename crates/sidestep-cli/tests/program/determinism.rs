@@ -72,3 +72,31 @@ fn value_stability() {
     let tasks = std::fs::read_to_string(folder.path().join("easy.jsonl")).unwrap();
     assert_eq!(tasks, include_str!("../fixtures/easy-seed-2.jsonl"));
 }
+
+#[test]
+fn kernels_can_be_chosen_and_wide_ones_agree() {
+    let folder = folder();
+    let line = "generate --suite varied --count 40 --seed 7 --out varied.jsonl";
+    check(folder.path(), line, 0, &[]);
+    for planner in ["sidestep-1", "sidestep-1-small", "auto", "gd"] {
+        let line =
+            format!("bench --tasks varied.jsonl --timed 1 --planner {planner} --json --quiet");
+        let answer = |kernels: &str| {
+            let chosen = [("SIDESTEP_KERNELS", kernels)];
+            let outcome = crate::run_with(folder.path(), &line, &chosen);
+            assert_eq!(outcome.code, 0, "{kernels}: {}", outcome.stderr);
+            let mut answer = outcome.json();
+            without_times(&mut answer);
+            answer
+        };
+        let wide = answer("avx2");
+        assert_eq!(wide, answer("avx512"), "{planner}");
+        // Without a network there is nothing that differs.
+        let portable = answer("portable");
+        assert!(planner != "gd" || portable == wide, "{planner}");
+    }
+    let chosen = [("SIDESTEP_KERNELS", "sse9")];
+    let outcome = crate::run_with(folder.path(), "plan free.json", &chosen);
+    assert_eq!(outcome.code, 2);
+    assert!(outcome.stderr.contains("SIDESTEP_KERNELS"), "{}", outcome.stderr);
+}

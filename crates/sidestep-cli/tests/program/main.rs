@@ -38,10 +38,16 @@ impl Outcome {
 
 /// Runs `sidestep` on the words of `line` in `folder`. `EXAMPLES` stands for the repository's examples.
 fn run(folder: &Path, line: &str) -> Outcome {
+    run_with(folder, line, &[])
+}
+
+/// The same with these variables in the environment.
+fn run_with(folder: &Path, line: &str, environment: &[(&str, &str)]) -> Outcome {
     let examples = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
     let output = Command::new(env!("CARGO_BIN_EXE_sidestep"))
         .args(line.split_whitespace().map(|word| word.replace("EXAMPLES", examples)))
         .current_dir(folder)
+        .envs(environment.iter().copied())
         .output()
         .unwrap();
     Outcome {

@@ -8,8 +8,11 @@
 //! **Bits.** Rust never reorders or contracts float arithmetic, so a body gives the same bits on
 //! AVX-512 and AVX2, however it is vectorised, as long as it multiplies and adds through `madd` and
 //! does not let `ISA` change the order of a sum. Sums therefore use a fixed lane structure: `[f32; LANES]`
-//! accumulators folded by `lane_sum`. The portable build rounds the product (no `fma` instruction)
-//! and differs in the last bits; on aarch64 fused multiply-add is part of the baseline, so it agrees.
+//! accumulators folded by `lane_sum`. The portable kernels round the product (no `fma` instruction)
+//! and differ in the last bits; on aarch64 fused multiply-add is part of the baseline, so they agree.
+//! Only what multiplies matrices is concerned, policies and their training: distances, the objective, classical
+//! optimizers, the exact search and the certificate have the same bits everywhere. [`Kernels::limit`] reproduces
+//! elsewhere what a machine without AVX2 answers.
 //!
 //! `-C target-cpu=native` for the whole program was measured 1.3-3.5 times slower; hence dispatch.
 #![allow(unsafe_code, reason = "calling functions compiled for detected CPU features")]
@@ -24,9 +27,13 @@ pub(crate) mod shift;
 mod tanh;
 pub(crate) mod transpose;
 
+use std::sync::atomic::{AtomicU8, Ordering};
+
 pub use adam::AdamStep;
 pub(crate) use clearance::Block;
 pub use norm::squared_norm;
+
+use crate::error::InvalidInput;
 
 /// Lanes of an accumulator: one AVX-512 register, two of AVX2, four of SSE2 or NEON.
 pub const LANES: usize = 16;
@@ -38,14 +45,58 @@ pub(crate) const AVX2: u8 = 1;
 /// `ISA` of a body compiled for AVX-512 (F, VL, BW, DQ) with AVX2 + FMA.
 pub(crate) const AVX512: u8 = 2;
 
+/// The kernels of an instruction set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Kernels {
+    /// Those of the target's baseline: on x86-64 and wasm, products are rounded before they are added.
+    Portable = PORTABLE,
+    /// AVX2 and fused multiply-add.
+    Avx2 = AVX2,
+    /// AVX-512 F, VL, BW and DQ; the same bits as AVX2.
+    Avx512 = AVX512,
+}
+
+/// The most that [`Isa::detect`] answers.
+static MOST: AtomicU8 = AtomicU8::new(AVX512);
+
+impl Kernels {
+    /// All kernels with their names, narrowest first.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("portable", Self::Portable), ("avx2", Self::Avx2), ("avx512", Self::Avx512)];
+
+    /// The kernels of that name.
+    ///
+    /// # Errors
+    /// If there are none.
+    pub fn named(name: &str) -> Result<Self, InvalidInput> {
+        let known = Self::NAMES.iter().find(|(known, _)| *known == name);
+        let allowed = || Self::NAMES.map(|(known, _)| known).join(", ");
+        known
+            .map(|&(_, kernels)| kernels)
+            .ok_or_else(|| InvalidInput::new("kernels", name, allowed()))
+    }
+
+    /// From now on uses none wider than these in this process, even where the machine has them: to reproduce the bits of
+    /// another machine. Objectives and networks that exist already keep theirs.
+    pub fn limit(self) {
+        MOST.store(self as u8, Ordering::Relaxed);
+    }
+}
+
 /// An instruction set that this machine has: the proof that `dispatch!` needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Isa(u8);
 
 impl Isa {
-    /// The best one for this machine. Costs a few loads: std caches the detection.
+    /// The best one for this machine within [`Kernels::limit`]. Costs a few loads: std caches the detection.
     #[inline]
     pub(crate) fn detect() -> Self {
+        Self(Self::widest().0.min(MOST.load(Ordering::Relaxed)))
+    }
+
+    #[inline]
+    fn widest() -> Self {
         #[cfg(target_arch = "x86_64")]
         if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
             let wide = std::is_x86_feature_detected!("avx512f")
@@ -60,7 +111,7 @@ impl Isa {
     /// Every one that this machine has, portable first; for tests that compare them.
     #[cfg(test)]
     pub(crate) fn available() -> impl Iterator<Item = Self> {
-        (PORTABLE..=Self::detect().0).map(Self)
+        (PORTABLE..=Self::widest().0).map(Self)
     }
 
     /// One of `PORTABLE`, `AVX2`, `AVX512`.
@@ -140,8 +191,18 @@ mod tests {
     }
 
     #[test]
+    fn names_are_ordered_and_others_refused() {
+        for pair in Kernels::NAMES.windows(2) {
+            assert!(pair[0].1 < pair[1].1);
+            assert_eq!(Kernels::named(pair[0].0), Ok(pair[0].1));
+        }
+        let refused = Kernels::named("sse9").unwrap_err();
+        assert_eq!(refused.allowed, "portable, avx2, avx512");
+    }
+
+    #[test]
     fn portable_is_always_available() {
         assert_eq!(Isa::available().next(), Some(Isa(PORTABLE)));
-        assert!(Isa::available().any(|isa| isa == Isa::detect()));
+        assert!(Isa::available().any(|isa| isa == Isa::widest()));
     }
 }

@@ -93,7 +93,7 @@ impl Objective {
             ));
         }
         let scene = query.scene();
-        scene.prepare_costs();
+        scene.prepare_costs(&|| true);
         let (profile, dof) = (scene.profile(), scene.dof());
         let substeps = profile.substeps;
         let period = substeps + 1;

@@ -76,6 +76,12 @@ pub enum Reason {
         /// Samples drawn.
         samples: usize,
     },
+    /// The caller broke the sampling planner off.
+    #[error("the time budget is spent after {samples} samples")]
+    SamplingBrokenOff {
+        /// Samples drawn.
+        samples: usize,
+    },
     /// What a planner found is refused by the certificate.
     #[error("the planner's path is not certified; {violation}")]
     NotCertified {
@@ -127,6 +133,23 @@ impl Plan {
             }
             Err(Refused { violation, trajectory }) => {
                 let status = Status::Unsolved(Reason::NotCertified { violation });
+                Self { status, attempt: Some(trajectory), steps, origin }
+            }
+        }
+    }
+
+    /// The straight line with so many waypoints, unless rounding puts one of them too close to an obstacle; where it is not
+    /// certified, time did not allow for more.
+    pub(super) fn straight(query: &Query, waypoints: usize) -> Self {
+        let (steps, origin) = (0, Origin::FirstStart);
+        let line = query.line();
+        let even = query.certify(line.evenly(waypoints.saturating_add(2)));
+        match even.or_else(|_| query.certify(line)) {
+            Ok(certified) => {
+                Self { status: Status::Solved(certified), attempt: None, steps, origin }
+            }
+            Err(Refused { violation, trajectory }) => {
+                let status = Status::Unsolved(Reason::BrokenOff { steps, violation });
                 Self { status, attempt: Some(trajectory), steps, origin }
             }
         }

@@ -74,7 +74,7 @@ impl Auto {
             && query.scene().motion_is_free(start, goal)
         {
             let waypoints = options.waypoints.unwrap_or(query.scene().profile().waypoints);
-            return Ok(straight(query, waypoints));
+            return Ok(Plan::straight(query, waypoints));
         }
         let is_short = |plan: &Plan, shortest: f64| {
             plan.certified().is_some_and(|path| path.length() <= LONGEST * shortest)
@@ -101,7 +101,7 @@ impl Auto {
             if optimized.is_solved() {
                 return Ok(optimized);
             }
-            let found = tree(query, &RrtConnect::default(), options);
+            let found = tree(query, &RrtConnect::default(), options, watch);
             let Some(path) = found.certified() else {
                 return Ok(Plan { attempt: optimized.attempt, ..found });
             };
@@ -136,18 +136,6 @@ fn smoothed(
     let smooth = smooth(query, path, LONGEST, options.steps, options.starts, watch)?;
     let plan = |smooth: Smooth| Plan::of(query, smooth.trajectory, smooth.steps, origin);
     Ok(smooth.map(plan).filter(Plan::is_solved))
-}
-
-/// The straight line, which was certified, with waypoints unless rounding puts one of them too close.
-fn straight(query: &Query, waypoints: usize) -> Plan {
-    let line = query.line();
-    match query.certify(line.evenly(waypoints.saturating_add(2))) {
-        Ok(certified) => {
-            let (status, origin) = (Status::Solved(certified), Origin::FirstStart);
-            Plan { status, attempt: None, steps: 0, origin }
-        }
-        Err(_) => Plan::of(query, line, 0, Origin::FirstStart),
-    }
 }
 
 #[cfg(test)]

@@ -93,7 +93,9 @@ pub fn plan_in(
         Planner::Optimizer(method) => {
             Ok(or_proof(optimize(query, method, options, watch)?, query, options, watch))
         }
-        Planner::RrtConnect(rrt) => Ok(or_proof(tree(query, rrt, options), query, options, watch)),
+        Planner::RrtConnect(rrt) => {
+            Ok(or_proof(tree(query, rrt, options, watch), query, options, watch))
+        }
         Planner::ShortestPath => shortest(query, watch)
             .ok_or_else(|| InvalidInput::new("planner", "shortest-path", "a robot in the plane")),
         Planner::Auto(auto) => auto.plan(query, options, watch),

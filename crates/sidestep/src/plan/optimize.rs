@@ -6,7 +6,7 @@ use crate::optimizer::{Method, Optimizer};
 use crate::plan::answer::{Origin, Plan, Reason, Status};
 use crate::plan::options::{Options, Stop, Watch};
 use crate::plan::parallel;
-use crate::plan::run::{Iteration, Run, Until, run};
+use crate::plan::run::{FARTHEST, Iteration, Run, Until, run};
 use crate::rng::{Purpose, stream};
 use crate::scene::{Query, Refused};
 use crate::trajectory::Trajectory;
@@ -27,6 +27,9 @@ pub(super) fn optimize(
     watch: Watch<'_>,
 ) -> Result<Plan, InvalidInput> {
     let waypoints = options.waypoints.unwrap_or(query.scene().profile().waypoints);
+    if !query.scene().prepare_costs(watch.go_on) {
+        return Ok(Plan::straight(query, waypoints));
+    }
     let mut objective = Objective::new(query, waypoints)?;
     let attempt = |objective: &mut Objective, start: usize| {
         let mut x = vec![0.0; objective.dim()];
@@ -120,7 +123,42 @@ fn resample(
     let mut corners = vec![0.0; inner.len() + 2 * dof];
     corners[..dof].copy_from_slice(objective.start());
     objective.scene().to_normalised(inner, &mut corners[dof..dof + inner.len()]);
+    corners.iter_mut().for_each(|x| *x = x.clamp(-FARTHEST, FARTHEST));
     corners[dof + inner.len()..].copy_from_slice(objective.goal());
     polyline(dof, &corners, x);
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::plan::{Planner, plan};
+    use crate::plane::Robot;
+    use crate::plane::geometry::Rect;
+    use crate::plane::world::{Obstacle, World};
+    use crate::scene::Task;
+
+    #[test]
+    fn an_optimizer_that_diverges_ends_at_its_last_finite_iterate() {
+        let field = |min, max| Rect::new(min, max).unwrap();
+        let wall = Obstacle::Rect(field([4.0, 2.0], [6.0, 8.0]));
+        let world = Arc::new(World::new(field([0.0; 2], [10.0; 2]), vec![wall], None));
+        let task = Task::in_plane("", world, Robot::Point, [1.0, 5.0], [9.0, 5.0]).unwrap();
+        let planner = Planner::Optimizer(Method::GradientDescent { step: Some(30.0) });
+        let answer = plan(&task, &planner, &Options::default()).unwrap();
+        assert!(
+            matches!(answer.status, Status::Unsolved(Reason::Diverged { steps: 1.., .. })),
+            "{answer:?}"
+        );
+        let path = answer.attempt.unwrap();
+        assert!(path.values().iter().all(|x| x.abs() < 1e8), "{path:?}");
+        // What an answer holds can be started from.
+        let options = Options { warm_start: Some(path), ..Options::default() };
+        plan(&task, &planner, &options).unwrap();
+        let nowhere = Trajectory::from_points(&[[1.0, f64::NAN]]);
+        let options = Options { warm_start: Some(nowhere), ..Options::default() };
+        assert_eq!(plan(&task, &planner, &options).unwrap_err().field, "warm_start[0]");
+    }
 }

@@ -70,8 +70,9 @@ pub const MAX_STEPS: usize = 100_000_000;
 pub struct Watch<'a> {
     /// Sees every iterate of every start.
     pub see: &'a (dyn Fn(&Iteration<'_>) + Sync),
-    /// Asked at every iterate and all along the exact search; once it is false, planning ends with the best certified plan so
-    /// far. What a world prepares once is not broken off, nor is the sampling planner.
+    /// Asked at every iterate, all along the searches and while a world is prepared; once it is false, planning ends with the
+    /// best certified plan so far. Only a [`Scene`](crate::scene::Scene) itself, which packs the world for the certificate, is not
+    /// broken off.
     pub go_on: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -100,6 +101,14 @@ impl Options {
         let waypoints = self.waypoints.unwrap_or(self.profile.waypoints);
         range("waypoints", waypoints, 1, MAX_WAYPOINTS)?;
         range("starts", self.starts, 1, MAX_STARTS)?;
+        let warm = self.warm_start.iter().flat_map(Trajectory::configurations).enumerate();
+        for (index, configuration) in warm {
+            if !configuration.iter().all(|x| x.is_finite()) {
+                let value = format!("{configuration:?}");
+                let field = format!("warm_start[{index}]");
+                return Err(InvalidInput::new(field, value, "finite numbers"));
+            }
+        }
         range("steps", self.steps, 0, MAX_STEPS)
     }
 }

@@ -46,7 +46,13 @@ pub struct Run {
     pub first_certified: Option<usize>,
     /// The certified iterate of least U.
     pub best: Option<Best>,
+    /// Whether the run ended because the next iterate would have had a coordinate that is no number or
+    /// further out than [`FARTHEST`].
+    pub diverged: bool,
 }
+
+/// Iterates further out than this, in normalised units, do not come back: some 150,000 fields.
+pub const FARTHEST: f32 = 1e6;
 
 /// A certified iterate.
 #[derive(Debug, Clone, PartialEq)]

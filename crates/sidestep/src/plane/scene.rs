@@ -98,6 +98,17 @@ impl PlaneScene {
         self.field.get_or_init(|| Field::new(&self.world, self.robot, &self.profile))
     }
 
+    /// Prepares the field, unless `go_on` becomes false meanwhile; whether it is prepared.
+    pub fn prepare_field(&self, go_on: &(dyn Fn() -> bool + Sync)) -> bool {
+        if self.field.get().is_none()
+            && let Some(field) = Field::new_while(&self.world, self.robot, &self.profile, go_on)
+        {
+            // Whoever was first keeps its own, which is the same.
+            let _ = self.field.set(field);
+        }
+        self.field.get().is_some()
+    }
+
     /// The exact signed distance field, whatever the profile's own is.
     pub fn exact_field(&self) -> &Field {
         match self.profile.distance {
@@ -135,6 +146,14 @@ impl PlaneScene {
     /// The exact search; what it prepares is shared by all that ask for it.
     pub fn shortest_path(&self) -> ShortestPath {
         self.exact.get_or_init(|| ShortestPath::of(self.certifier.clone())).clone()
+    }
+
+    /// [`PlaneScene::shortest_path`]; none where `go_on` becomes false while it is prepared.
+    pub fn shortest_path_while(&self, go_on: &dyn Fn() -> bool) -> Option<ShortestPath> {
+        if self.exact.get().is_none() {
+            let _ = self.exact.set(ShortestPath::of_while(self.certifier.clone(), go_on)?);
+        }
+        self.exact.get().cloned()
     }
 
     /// The exact certificate.

@@ -63,6 +63,10 @@ pub struct Grid {
     occupied: Vec<bool>,
 }
 
+/// The tolerance of fields of 1e4 units and more: some three times the rounding at
+/// [`MAX_COORDINATE`](crate::error::MAX_COORDINATE).
+const MOST_TOLERANCE: f64 = 1e-5;
+
 /// Most cells that a grid may have (a 16384 x 16384 map).
 pub const MAX_GRID_CELLS: usize = 1 << 28;
 
@@ -190,8 +194,10 @@ impl World {
         self.grid.as_ref()
     }
 
-    /// Lengths below this count as nothing when something is certified: 1e-9 of the field's extent.
+    /// Lengths below this count as nothing when something is certified: 1e-9 of the field's extent, and not more
+    /// than what rounding asks for at the largest coordinates anyway, so that a door stays open however far away
+    /// the bounds are.
     pub fn tolerance(&self) -> f64 {
-        1e-9 * self.bounds.extent()
+        (1e-9 * self.bounds.extent()).min(MOST_TOLERANCE)
     }
 }

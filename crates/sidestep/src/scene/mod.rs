@@ -20,7 +20,7 @@ pub use query::{Query, Refused};
 pub use task::{PlaneTask, Setting, Task};
 
 use crate::kernels::Block;
-use crate::plane::shortest_path::Route;
+use crate::plane::shortest_path::{Doubt, Route};
 use crate::plane::{PlaneScene, points};
 use crate::profile::Profile;
 use crate::trajectory::{Trajectory, Violation};
@@ -139,12 +139,11 @@ impl Scene {
         }
     }
 
-    /// Prepares what costs ask for, so that no iteration pays for it.
-    pub(crate) fn prepare_costs(&self) {
+    /// Prepares what costs ask for, so that no iteration pays for it, unless `go_on` becomes false meanwhile; whether it is
+    /// prepared.
+    pub fn prepare_costs(&self, go_on: &(dyn Fn() -> bool + Sync)) -> bool {
         match self {
-            Self::Plane(plane) => {
-                plane.field();
-            }
+            Self::Plane(plane) => plane.prepare_field(go_on),
         }
     }
 
@@ -238,7 +237,10 @@ impl Scene {
         match self {
             Self::Plane(plane) => {
                 let ends = ([start[0], start[1]], [goal[0], goal[1]]);
-                Some(plane.shortest_path().find_while(ends.0, ends.1, go_on))
+                Some(match plane.shortest_path_while(go_on) {
+                    Some(mut exact) => exact.find_while(ends.0, ends.1, go_on),
+                    None => Route::Undecided(Doubt::BrokenOff),
+                })
             }
         }
     }

@@ -25,7 +25,7 @@ impl std::fmt::Display for ObstacleId {
 }
 
 /// The first reason found why a trajectory is not certified.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Violation {
     /// There is no point at all.
@@ -43,12 +43,36 @@ pub enum Violation {
     /// The last point is not the task's goal.
     #[error("the trajectory does not end at the task's goal")]
     WrongGoal,
-    /// The robot's body leaves the bounds at the start.
+    /// The robot is larger than the bounds.
+    #[error(
+        "the robot does not fit: its radius, with any margin, is {radius}, and the bounds are {width} x {height}"
+    )]
+    DoesNotFit {
+        /// The robot's radius, in task units.
+        radius: f64,
+        /// Width of the bounds, in task units.
+        width: f64,
+        /// Height of the bounds, in task units.
+        height: f64,
+    },
+    /// The start lies outside the bounds.
     #[error("the start is out of bounds")]
     StartOutOfBounds,
-    /// The robot's body leaves the bounds at the goal.
+    /// The goal lies outside the bounds.
     #[error("the goal is out of bounds")]
     GoalOutOfBounds,
+    /// The start lies in the bounds, but not the whole body there.
+    #[error("the start is too near the bounds for a robot of radius {radius}, any margin included")]
+    StartTooNearBounds {
+        /// The robot's radius, in task units.
+        radius: f64,
+    },
+    /// The goal lies in the bounds, but not the whole body there.
+    #[error("the goal is too near the bounds for a robot of radius {radius}, any margin included")]
+    GoalTooNearBounds {
+        /// The robot's radius, in task units.
+        radius: f64,
+    },
     /// The robot's body touches an obstacle at the start.
     #[error("the start is in collision with {obstacle}")]
     StartInCollision {

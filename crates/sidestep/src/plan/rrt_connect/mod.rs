@@ -17,11 +17,14 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::error::InvalidInput;
 use crate::plan::answer::{Origin, Plan, Reason, Status};
-use crate::plan::options::Options;
+use crate::plan::options::{Options, Watch};
 use crate::rng::{Purpose, stream};
 use crate::scene::{Query, Scene};
 use crate::trajectory::{Trajectory, distance};
 use tree::Tree;
+
+/// Samples from one question whether to go on to the next.
+const SAMPLES_A_QUESTION: usize = 16;
 
 /// Parameters of the planner.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,8 +77,18 @@ impl RrtConnect {
 
     /// Answers a query. Not finding a path proves nothing.
     pub fn plan(&self, query: &Query, rng: &mut ChaCha8Rng) -> RrtRun {
+        self.plan_while(query, rng, &|| true)
+    }
+
+    /// [`RrtConnect::plan`] that is broken off once `go_on` is false; then fewer samples than allowed were drawn.
+    pub fn plan_while(
+        &self,
+        query: &Query,
+        rng: &mut ChaCha8Rng,
+        go_on: &dyn Fn() -> bool,
+    ) -> RrtRun {
         let mut run = RrtRun::default();
-        let Some(points) = self.search(query, rng, &mut run) else {
+        let Some(points) = self.search(query, rng, &mut run, go_on) else {
             return run;
         };
         let mut path = Trajectory::new(query.scene().dof(), points);
@@ -88,7 +101,13 @@ impl RrtConnect {
     }
 
     /// Grows the trees; the configurations `[.. x dof]` from start to goal once they meet.
-    fn search(&self, query: &Query, rng: &mut ChaCha8Rng, run: &mut RrtRun) -> Option<Vec<f64>> {
+    fn search(
+        &self,
+        query: &Query,
+        rng: &mut ChaCha8Rng,
+        run: &mut RrtRun,
+        go_on: &dyn Fn() -> bool,
+    ) -> Option<Vec<f64>> {
         let (scene, start, goal) = (&**query.scene(), query.start(), query.goal());
         run.checks = 3;
         if scene.motion_is_free(start, goal) {
@@ -103,6 +122,9 @@ impl RrtConnect {
         let mut trees = [Tree::new(start, limits), Tree::new(goal, limits)];
         let mut sample = vec![0.0; limits.len()];
         while run.samples < self.max_samples {
+            if run.samples.is_multiple_of(SAMPLES_A_QUESTION) && !go_on() {
+                return None;
+            }
             run.samples += 1;
             for (value, [least, most]) in sample.iter_mut().zip(limits) {
                 let t: f64 = rng.random();
@@ -182,13 +204,15 @@ fn lerp(from: &[f64], to: &[f64], t: f64, out: &mut [f64]) {
 }
 
 /// Answers a query by trees.
-pub(super) fn tree(query: &Query, rrt: &RrtConnect, options: &Options) -> Plan {
+pub(super) fn tree(query: &Query, rrt: &RrtConnect, options: &Options, watch: Watch<'_>) -> Plan {
     let mut rng = stream(options.seed, Purpose::Planner, options.index, 0);
-    let RrtRun { trajectory, samples, .. } = rrt.plan(query, &mut rng);
-    match trajectory {
-        Some(trajectory) => Plan::of(query, trajectory, 0, Origin::Tree),
-        None => Plan::none(Status::Unsolved(Reason::SamplesSpent { samples }), Origin::Tree),
-    }
+    let RrtRun { trajectory, samples, .. } = rrt.plan_while(query, &mut rng, watch.go_on);
+    let reason = match trajectory {
+        Some(trajectory) => return Plan::of(query, trajectory, 0, Origin::Tree),
+        None if samples < rrt.max_samples => Reason::SamplingBrokenOff { samples },
+        None => Reason::SamplesSpent { samples },
+    };
+    Plan::none(Status::Unsolved(reason), Origin::Tree)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! A segment is certified when its distance to every obstacle is more than
 //! `r + tolerance`, with `r` the robot's radius, and both its ends lie in the bounds shrunk by `r`
 //! (bounds are closed: the body may touch a wall). Touching an obstacle is not certified. The tolerance
-//! ([`World::tolerance`], at least the rounding of the largest coordinate) is what closes gaps of
+//! ([`World::tolerance`], at least twice what rounding can do, see `near.rs`) is what closes gaps of
 //! no width: between boxes that share an edge or a corner, or between a box and the wall that it
 //! is flush with. Any single robot position is the segment from it to itself.
 //!
@@ -16,11 +16,13 @@ mod boxes;
 mod buckets;
 mod cells;
 mod distance;
+mod near;
 
 use boxes::Boxes;
 use buckets::Buckets;
 pub(crate) use cells::{Cells, Growth};
 pub(crate) use distance::segment_obstacle_distance;
+use near::Near;
 
 use crate::plane::Robot;
 use crate::plane::geometry::{Point, Rect};
@@ -30,13 +32,15 @@ use crate::trajectory::{ObstacleId, Trajectory, Violation};
 
 /// Above this many shapes, buckets are built.
 const MOST_WITHOUT_BUCKETS: usize = 32;
-/// Rounding of the arithmetic, as a part of the largest coordinate.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// A world and a robot prepared for many exact collision checks.
 #[derive(Debug, Clone)]
 pub struct Certifier {
-    /// Where the robot's reference point may be.
+    /// The world's bounds.
+    field: Rect,
+    /// Where the robot's reference point may be, rounded inwards.
+    inside: Rect,
+    /// The same, rounded to the nearest numbers.
     bounds: Rect,
     radius: f64,
     tolerance: f64,
@@ -54,15 +58,14 @@ impl Certifier {
     /// Prepares the checks of one robot in one world.
     pub fn new(world: &World, robot: Robot) -> Self {
         let radius = robot.radius();
-        let bounds = world.bounds();
-        let largest =
-            bounds.min.into_iter().chain(bounds.max).fold(0.0, |m: f64, x| m.max(x.abs()));
-        let tolerance = world.tolerance().max(ROUNDING * largest);
+        let Near { obstacles, tolerance } = Near::new(world, robot);
         let margin = radius + tolerance;
         let growth = if radius > 0.0 { Growth::Round(margin) } else { Growth::Square(margin) };
         let cells = world.grid().map(|grid| Cells::new(grid, growth));
-        let obstacles = world.obstacles().to_vec();
-        Self::from_parts(bounds.inflated(-radius), radius, tolerance, obstacles, cells)
+        let bounds = world.bounds().inflated(-radius);
+        let inside = rounded_inwards(world.bounds(), radius, bounds);
+        let field = world.bounds();
+        Self { field, inside, ..Self::from_parts(bounds, radius, tolerance, obstacles, cells) }
     }
 
     /// The same from its parts; `bounds` are those of the robot's reference point, and the cells are
@@ -89,7 +92,19 @@ impl Certifier {
             Buckets::new(bounds, &grown)
         });
         let boxes = Boxes::new(rects, margin, radius > 0.0);
-        Self { bounds, radius, tolerance, margin, obstacles, boxes, others, buckets, cells }
+        Self {
+            field: bounds,
+            inside: bounds,
+            bounds,
+            radius,
+            tolerance,
+            margin,
+            obstacles,
+            boxes,
+            others,
+            buckets,
+            cells,
+        }
     }
 
     /// The robot's radius.
@@ -133,7 +148,7 @@ impl Certifier {
     /// Whether the robot may move straight from `a` to `b`.
     #[inline]
     pub fn segment_is_free(&self, a: Point, b: Point) -> bool {
-        self.bounds.contains(a) && self.bounds.contains(b) && self.segment_avoids_obstacles(a, b)
+        self.inside.contains(a) && self.inside.contains(b) && self.segment_avoids_obstacles(a, b)
     }
 
     /// Whether the robot may move along the points in order. No points are not certified.
@@ -160,21 +175,29 @@ impl Certifier {
         if let Some(point) = points.iter().position(|p| !finite(p)) {
             return Err(Violation::NotFinite { point });
         }
-        if !self.bounds.contains(start) {
-            return Err(Violation::StartOutOfBounds);
+        let radius = self.radius;
+        let [width, height] = self.field.size();
+        if (0..2).any(|axis| self.inside.min[axis] > self.inside.max[axis]) {
+            return Err(Violation::DoesNotFit { radius, width, height });
+        }
+        let has_room = |p: Point| radius > 0.0 && self.field.contains(p);
+        if !self.inside.contains(start) {
+            let near = has_room(start).then_some(Violation::StartTooNearBounds { radius });
+            return Err(near.unwrap_or(Violation::StartOutOfBounds));
         }
         if let Some(obstacle) = self.first_obstacle_hit(start, start) {
             return Err(Violation::StartInCollision { obstacle });
         }
-        if !self.bounds.contains(goal) {
-            return Err(Violation::GoalOutOfBounds);
+        if !self.inside.contains(goal) {
+            let near = has_room(goal).then_some(Violation::GoalTooNearBounds { radius });
+            return Err(near.unwrap_or(Violation::GoalOutOfBounds));
         }
         if let Some(obstacle) = self.first_obstacle_hit(goal, goal) {
             return Err(Violation::GoalInCollision { obstacle });
         }
         for (segment, pair) in points.windows(2).enumerate() {
             let (a, b) = (pair[0], pair[1]);
-            if !self.bounds.contains(b) {
+            if !self.inside.contains(b) {
                 return Err(Violation::OutOfBounds { segment, point: segment + 1 });
             }
             if let Some(obstacle) = self.first_obstacle_hit(a, b) {
@@ -213,7 +236,7 @@ impl Certifier {
     }
 
     fn all_in_bounds(&self, points: &[Point]) -> bool {
-        points.iter().all(|&p| self.bounds.contains(p))
+        points.iter().all(|&p| self.inside.contains(p))
     }
 
     #[inline]
@@ -253,6 +276,27 @@ impl Certifier {
             reach *= 2.0;
         }
     }
+}
+
+/// `shrunk`, the bounds less the radius in rounded arithmetic, without what rounding may have added.
+fn rounded_inwards(bounds: Rect, radius: f64, shrunk: Rect) -> Rect {
+    let mut inside = shrunk;
+    for axis in 0..2 {
+        if two_sum_error(bounds.min[axis], radius, shrunk.min[axis]) > 0.0 {
+            inside.min[axis] = shrunk.min[axis].next_up();
+        }
+        if two_sum_error(bounds.max[axis], -radius, shrunk.max[axis]) < 0.0 {
+            inside.max[axis] = shrunk.max[axis].next_down();
+        }
+    }
+    inside
+}
+
+/// `a + b - sum` without error, for the rounded `sum` of both (D. Knuth, The Art of Computer Programming, vol.
+/// 2, 4.2.2, theorem B).
+fn two_sum_error(a: f64, b: f64, sum: f64) -> f64 {
+    let b_part = sum - a;
+    (a - (sum - b_part)) + (b - b_part)
 }
 
 /// A lower bound of the distance from segment `a b` to what `rect` bounds: the larger of the gaps

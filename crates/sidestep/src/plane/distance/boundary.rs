@@ -7,8 +7,13 @@
 
 use std::f64::consts::TAU;
 
-use crate::plane::geometry::{Circle, Point, add, cross, distance, dot, lerp, norm, scale, sub};
+use crate::plane::geometry::{
+    Circle, Point, Rect, add, cross, distance, dot, lerp, norm, scale, sub,
+};
 use crate::plane::world::Obstacle;
+
+/// Shapes from one question whether to go on to the next.
+const SHAPES_A_QUESTION: usize = 16;
 
 /// A circular arc, counter-clockwise from angle `from` over `sweep` radians.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,20 +32,19 @@ pub(crate) struct UnionBoundary {
 }
 
 impl UnionBoundary {
-    /// The boundary of the union of `obstacles`; pieces closer than `tolerance` count as touching.
-    pub fn new(obstacles: &[Obstacle], tolerance: f64) -> Self {
+    /// The boundary of the union of `obstacles`; pieces closer than `tolerance` count as touching. None once `go_on` is false.
+    pub fn new(obstacles: &[Obstacle], tolerance: f64, go_on: &dyn Fn() -> bool) -> Option<Self> {
         let boxes: Vec<_> =
             obstacles.iter().map(|o| o.bounding_box().inflated(2.0 * tolerance)).collect();
+        let overlaps = Overlaps::new(boxes);
         let outlines: Vec<_> = obstacles.iter().map(outline).collect();
         let mut boundary = Self::default();
-        let mut covered = Vec::new();
+        let (mut covered, mut near) = (Vec::new(), Vec::new());
         for (own, shape) in obstacles.iter().enumerate() {
-            let near: Vec<usize> = (0..obstacles.len())
-                .filter(|&other| {
-                    let (a, b) = (&boxes[own], &boxes[other]);
-                    other != own && (0..2).all(|k| a.min[k] <= b.max[k] && b.min[k] <= a.max[k])
-                })
-                .collect();
+            if own.is_multiple_of(SHAPES_A_QUESTION) && !go_on() {
+                return None;
+            }
+            overlaps.of(own, &mut near);
             match shape {
                 Obstacle::Circle(circle) => {
                     boundary.add_circle(own, circle, &near, obstacles, &outlines, tolerance);
@@ -64,7 +68,7 @@ impl UnionBoundary {
                 }
             }
         }
-        boundary
+        Some(boundary)
     }
 
     /// Adds what is left of segment `a b` after the covered fractions are taken out.
@@ -116,6 +120,49 @@ impl UnionBoundary {
                 self.arcs.push(Arc { center: circle.center, radius: circle.radius, from, sweep });
             }
         }
+    }
+}
+
+/// Boxes by their left sides, to find which overlap one of them.
+struct Overlaps {
+    boxes: Vec<Rect>,
+    /// Indices of the boxes, by left side.
+    order: Vec<u32>,
+    /// For each place in the order, the rightmost side up to there.
+    rightmost: Vec<f64>,
+}
+
+impl Overlaps {
+    fn new(boxes: Vec<Rect>) -> Self {
+        let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+        order.sort_by(|&a, &b| boxes[a as usize].min[0].total_cmp(&boxes[b as usize].min[0]));
+        let mut right = f64::NEG_INFINITY;
+        let rightmost = order
+            .iter()
+            .map(|&index| {
+                right = right.max(boxes[index as usize].max[0]);
+                right
+            })
+            .collect();
+        Self { boxes, order, rightmost }
+    }
+
+    /// The boxes other than `own` that overlap it or touch it, ascending.
+    fn of(&self, own: usize, near: &mut Vec<usize>) {
+        near.clear();
+        let a = &self.boxes[own];
+        let after = self.order.partition_point(|&i| self.boxes[i as usize].min[0] <= a.max[0]);
+        for place in (0..after).rev() {
+            if self.rightmost[place] < a.min[0] {
+                break;
+            }
+            let other = self.order[place] as usize;
+            let b = &self.boxes[other];
+            if other != own && (0..2).all(|k| a.min[k] <= b.max[k] && b.min[k] <= a.max[k]) {
+                near.push(other);
+            }
+        }
+        near.sort_unstable();
     }
 }
 
@@ -216,7 +263,6 @@ fn segment_crossings(circle: &Circle, a: Point, b: Point, angles: &mut Vec<f64>)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::geometry::Rect;
 
     fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Obstacle {
         Obstacle::Rect(Rect::new([x0, y0], [x1, y1]).unwrap())
@@ -226,7 +272,7 @@ mod tests {
     fn perimeters() {
         let circle = |x, y, r| Obstacle::Circle(Circle::new([x, y], r).unwrap());
         let check = |name, obstacles: &[Obstacle], expected: f64| {
-            let boundary = UnionBoundary::new(obstacles, 1e-9);
+            let boundary = UnionBoundary::new(obstacles, 1e-9, &|| true).unwrap();
             let segments: f64 = boundary.segments.iter().map(|&(a, b)| distance(a, b)).sum();
             let arcs: f64 = boundary.arcs.iter().map(|arc| arc.radius * arc.sweep).sum();
             assert!((segments + arcs - expected).abs() < 1e-6, "{name}: {segments} + {arcs}");

@@ -6,7 +6,7 @@
 //! derivative of the interpolant; bilinear interpolation is there to compare.
 //! Outside the raster, coordinates are clamped to the outermost texel centres.
 
-use super::transform::squared_distance_transform;
+use super::transform::{signed_distance_transform, squared_distance_transform};
 use super::{LANES, Samples};
 use crate::plane::frame::Frame;
 use crate::plane::world::{Grid, World};
@@ -27,9 +27,11 @@ pub enum Interpolation {
 pub struct ImageField {
     width: usize,
     height: usize,
-    /// Texels from one row to the next: the width and one more, which repeats the last column.
+    /// Texels from one row to the next: the width, and one more for the paper's, which repeats the last column.
     stride: usize,
-    /// `[height + 1 x stride]` of `[distance, gradient x, gradient y, 0]`; row 0 at the bottom, the last
+    /// A grid's distances, `[height x width]`; row 0 at the bottom.
+    distances: Vec<f32>,
+    /// The paper's, `[height + 1 x stride]` of `[distance, gradient x, gradient y, 0]`; the last
     /// row repeated, so that a texel always has one to the right and one above.
     texels: Vec<[f32; 4]>,
     /// Normalised position of the lower left texel's centre.
@@ -52,13 +54,14 @@ impl ImageField {
         let [width, height] = bounds.size().map(|side| (side / pixel).ceil().max(1.0) as usize);
         let occupied = rasterise(world, width, height, pixel);
         let unit = pixel / frame.scale;
-        let signed = signed_transform(&occupied, width + 2, height + 2, unit, 0.0);
+        let signed = signed_transform(&occupied, width + 2, height + 2, unit);
         let texels = sobel_texels(width, height, unit, &signed);
         let center = unit * 0.5;
         Self {
             width,
             height,
             stride: width + 1,
+            distances: Vec::new(),
             texels: with_repeated_edge(&texels, width),
             origin: [center as f32; 2],
             density: (1.0 / unit) as f32,
@@ -66,23 +69,21 @@ impl ImageField {
         }
     }
 
-    /// The distance image of an occupancy grid, read bicubically; none where no cell is occupied.
-    pub fn grid(grid: &Grid, frame: &Frame) -> Option<Self> {
-        if !grid.cells().contains(&true) {
-            return None;
-        }
+    /// The distance image of an occupancy grid, read bicubically; it must have an occupied cell. None once `go_on` is false.
+    pub fn grid(grid: &Grid, frame: &Frame, go_on: &(dyn Fn() -> bool + Sync)) -> Option<Self> {
         let (width, height) = (grid.width(), grid.height());
         let unit = grid.resolution() / frame.scale;
-        let signed = signed_transform(grid.cells(), width, height, unit, 0.5);
+        let largest = ((width * width + height * height) as f64).sqrt();
+        // Half a cell less puts the zero level on the cells' border instead of between centres.
+        let length = |squared: f64| ((squared.sqrt().min(largest) - 0.5) * unit) as f32;
+        let distances = signed_distance_transform(grid.cells(), width, length, go_on)?;
         let center = |axis: usize| grid.origin()[axis] + 0.5 * grid.resolution();
         Some(Self {
             width,
             height,
-            stride: width + 1,
-            texels: with_repeated_edge(
-                &signed.iter().map(|&d| [d, 0.0, 0.0, 0.0]).collect::<Vec<_>>(),
-                width,
-            ),
+            stride: width,
+            distances,
+            texels: Vec::new(),
             origin: frame.to_normalised([center(0), center(1)]),
             density: (1.0 / unit) as f32,
             interpolation: Interpolation::Bicubic,
@@ -178,8 +179,8 @@ impl ImageField {
     fn bilinear_exact(&self, p: [f32; 2]) -> (f32, [f32; 2]) {
         let (column, row, tx, ty) = self.locate(p[0], p[1]);
         let d = |i: usize, j: usize| {
-            self.texels
-                [(row + j).min(self.height - 1) * self.width + (column + i).min(self.width - 1)][0]
+            self.distances
+                [(row + j).min(self.height - 1) * self.stride + (column + i).min(self.width - 1)]
         };
         let (a, b, c, e) = (d(0, 0), d(1, 0), d(0, 1), d(1, 1));
         let distance = (a + tx * (b - a)) * (1.0 - ty) + (c + tx * (e - c)) * ty;
@@ -198,7 +199,7 @@ impl ImageField {
             let (mut value, mut slope) = (0.0, 0.0);
             for i in 0..4 {
                 let texel_column = (column + i).saturating_sub(1).min(self.width - 1);
-                let d = self.texels[texel_row + texel_column][0];
+                let d = self.distances[texel_row + texel_column];
                 value += weights_x[i] * d;
                 slope += slopes_x[i] * d;
             }
@@ -275,20 +276,13 @@ fn rasterise(world: &World, width: usize, height: usize, pixel: f64) -> Vec<bool
     occupied
 }
 
-/// Distance transform of free cells minus that of occupied ones, in normalised units; `half` is
-/// taken off both (0.5 puts the zero level on the cells' border instead of between centres).
-fn signed_transform(
-    occupied: &[bool],
-    width: usize,
-    height: usize,
-    unit: f64,
-    half: f64,
-) -> Vec<f32> {
+/// Distance transform of free cells minus that of occupied ones, in normalised units.
+fn signed_transform(occupied: &[bool], width: usize, height: usize, unit: f64) -> Vec<f32> {
     let to_occupied = squared_distance_transform(occupied, width);
     let free: Vec<bool> = occupied.iter().map(|&o| !o).collect();
     let to_free = squared_distance_transform(&free, width);
     let largest = ((width * width + height * height) as f64).sqrt();
-    let length = |squared: f64| ((squared.sqrt().min(largest) - half) * unit) as f32;
+    let length = |squared: f64| (squared.sqrt().min(largest) * unit) as f32;
     (0..occupied.len())
         .map(|i| if occupied[i] { -length(to_free[i]) } else { length(to_occupied[i]) })
         .collect()
@@ -338,7 +332,7 @@ mod tests {
             .collect();
         let grid = Grid::new(width, height, 0.5, [1.0, -2.0], occupied).unwrap();
         let frame = Frame::new(&Profile::DEFAULT, grid.rect());
-        ImageField::grid(&grid, &frame).unwrap().with_interpolation(interpolation)
+        ImageField::grid(&grid, &frame, &|| true).unwrap().with_interpolation(interpolation)
     }
 
     #[test]

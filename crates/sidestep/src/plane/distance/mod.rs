@@ -5,6 +5,10 @@
 
 mod boundary;
 mod image;
+mod index;
+mod nearest;
+mod pieces;
+mod segments;
 mod shapes;
 mod transform;
 
@@ -48,30 +52,57 @@ pub struct Field {
 impl Field {
     /// Builds the field that the profile asks for.
     pub fn new(world: &World, robot: Robot, profile: &Profile) -> Self {
+        Self::new_while(world, robot, profile, &|| true).expect("nobody breaks off")
+    }
+
+    /// [`Field::new`] that is broken off, with nothing, once `go_on` is false. It is asked every few microseconds.
+    pub fn new_while(
+        world: &World,
+        robot: Robot,
+        profile: &Profile,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
         let frame = Frame::new(profile, world.bounds());
-        let radius = (robot.radius() / frame.scale) as f32;
         match profile.distance {
-            DistanceKind::PaperImage => Self {
+            DistanceKind::PaperImage => Some(Self {
                 shapes: None,
                 image: Some(ImageField::paper(world, &frame)),
                 walls: None,
-                radius,
-            },
-            DistanceKind::Exact => Self::exact(world, robot, &frame),
+                radius: (robot.radius() / frame.scale) as f32,
+            }),
+            DistanceKind::Exact => Self::exact_while(world, robot, &frame, go_on),
         }
     }
 
     /// The exact field in the normalised units of `frame`, whatever the profile.
     pub fn exact(world: &World, robot: Robot, frame: &Frame) -> Self {
+        Self::exact_while(world, robot, frame, &|| true).expect("nobody breaks off")
+    }
+
+    /// [`Field::exact`] that is broken off, with nothing, once `go_on` is false.
+    pub fn exact_while(
+        world: &World,
+        robot: Robot,
+        frame: &Frame,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
         let [min_x, min_y] = frame.to_normalised(world.bounds().min);
         let [max_x, max_y] = frame.to_normalised(world.bounds().max);
         let obstacles = world.obstacles();
-        Self {
-            shapes: (!obstacles.is_empty()).then(|| ShapeField::new(obstacles, frame)),
-            image: world.grid().and_then(|grid| ImageField::grid(grid, frame)),
+        let shapes = match obstacles {
+            [] => None,
+            _ => Some(ShapeField::new(obstacles, frame, [max_x - min_x, max_y - min_y], go_on)?),
+        };
+        let image = match world.grid().filter(|grid| grid.cells().contains(&true)) {
+            None => None,
+            Some(grid) => Some(ImageField::grid(grid, frame, go_on)?),
+        };
+        Some(Self {
+            shapes,
+            image,
             walls: Some([min_x, min_y, max_x, max_y]),
             radius: (robot.radius() / frame.scale) as f32,
-        }
+        })
     }
 
     /// Signed distance of the robot's body at one point and its gradient (both unquirked), in

@@ -4,120 +4,58 @@
 //! distance to the union's boundary ([`super::boundary`]), which is right inside overlaps too. The
 //! gradient points away from the nearest boundary point; where several are nearest (the kinks), the
 //! first in the order rectangles, circles, polygons decides.
+//!
+//! Above a few hundred shapes an [`Index`] names those that can be nearest to a point, so that an evaluation costs what
+//! is near. Candidates are compared in the order of all pieces, so the answer is the same to the bit.
 
 use super::boundary::{Arc, UnionBoundary};
+use super::index::{Index, OUTSIDE};
+use super::nearest::{Nearest, Probe};
+use super::pieces::{Boundary, Shapes};
+use super::segments::{SegmentLanes, Side};
 use super::{LANES, Samples};
 use crate::plane::frame::Frame;
 use crate::plane::world::Obstacle;
+
+/// Above this many shapes there is an index; it costs as much as some hundred blocks of points without it.
+const MOST_WITHOUT_INDEX: usize = 256;
 
 /// Shapes in normalised units, ready to be sampled.
 #[derive(Debug, Clone)]
 pub struct ShapeField {
     /// `[min_x, min_y, max_x, max_y]`.
-    rects: Vec<[f32; 4]>,
+    pub(super) rects: Vec<[f32; 4]>,
     /// `[center_x, center_y, radius]`.
-    circles: Vec<[f32; 3]>,
-    polygons: Vec<Vec<Side>>,
+    pub(super) circles: Vec<[f32; 3]>,
+    pub(super) polygons: Vec<Vec<Side>>,
     /// Boundary segments of the union, padded to a multiple of [`LANES`] by repetition.
     boundary: SegmentLanes,
+    /// How many of those are no repetition.
+    segments: usize,
     arcs: Vec<Arc>,
-}
-
-/// A directed side with the shape on its left.
-#[derive(Debug, Clone, Copy)]
-struct Side {
-    from: [f32; 2],
-    direction: [f32; 2],
-    inverse_square: f32,
-}
-
-impl Side {
-    fn new(a: [f32; 2], b: [f32; 2]) -> Self {
-        let direction = [b[0] - a[0], b[1] - a[1]];
-        let square = direction[0] * direction[0] + direction[1] * direction[1];
-        Self { from: a, direction, inverse_square: if square > 0.0 { 1.0 / square } else { 0.0 } }
-    }
-
-    /// From the nearest point of the side to `(x, y)`.
-    #[inline(always)]
-    fn offset(&self, x: f32, y: f32) -> [f32; 2] {
-        let (rx, ry) = (x - self.from[0], y - self.from[1]);
-        let t = (rx * self.direction[0] + ry * self.direction[1]) * self.inverse_square;
-        let t = t.clamp(0.0, 1.0);
-        [rx - t * self.direction[0], ry - t * self.direction[1]]
-    }
-}
-
-/// Segments as arrays, so that one point meets [`LANES`] of them at once.
-#[derive(Debug, Clone, Default)]
-struct SegmentLanes {
-    from_x: Vec<f32>,
-    from_y: Vec<f32>,
-    direction_x: Vec<f32>,
-    direction_y: Vec<f32>,
-    inverse_square: Vec<f32>,
-}
-
-impl SegmentLanes {
-    fn new(sides: &[Side]) -> Self {
-        let mut lanes = Self::default();
-        let padded = sides.len().next_multiple_of(LANES);
-        for side in sides.iter().cycle().take(if sides.is_empty() { 0 } else { padded }) {
-            lanes.from_x.push(side.from[0]);
-            lanes.from_y.push(side.from[1]);
-            lanes.direction_x.push(side.direction[0]);
-            lanes.direction_y.push(side.direction[1]);
-            lanes.inverse_square.push(side.inverse_square);
-        }
-        lanes
-    }
-
-    fn side(&self, i: usize) -> Side {
-        Side {
-            from: [self.from_x[i], self.from_y[i]],
-            direction: [self.direction_x[i], self.direction_y[i]],
-            inverse_square: self.inverse_square[i],
-        }
-    }
-
-    /// Index of the segment nearest to `(x, y)`.
-    #[inline(always)]
-    fn nearest(&self, x: f32, y: f32) -> Option<usize> {
-        let mut best = [f32::INFINITY; LANES];
-        let mut index = [0u32; LANES];
-        let blocks = self.from_x.len() / LANES;
-        for block in 0..blocks {
-            let range = block * LANES..(block + 1) * LANES;
-            let (from_x, from_y) = (&self.from_x[range.clone()], &self.from_y[range.clone()]);
-            let direction_x = &self.direction_x[range.clone()];
-            let direction_y = &self.direction_y[range.clone()];
-            let inverse_square = &self.inverse_square[range];
-            for l in 0..LANES {
-                let (rx, ry) = (x - from_x[l], y - from_y[l]);
-                let t = (rx * direction_x[l] + ry * direction_y[l]) * inverse_square[l];
-                let t = t.clamp(0.0, 1.0);
-                let (ox, oy) = (rx - t * direction_x[l], ry - t * direction_y[l]);
-                let square = ox * ox + oy * oy;
-                let nearer = square < best[l];
-                best[l] = if nearer { square } else { best[l] };
-                index[l] = if nearer { block as u32 } else { index[l] };
-            }
-        }
-        let least = best.iter().fold(f32::INFINITY, |a, &b| if b < a { b } else { a });
-        let lane = best.iter().position(|&square| square == least)?;
-        best[lane].is_finite().then(|| index[lane] as usize * LANES + lane)
-    }
+    /// Which shapes can be nearest, by index over rectangles, circles and polygons, where there are many.
+    near_shapes: Option<Index>,
+    /// Which pieces of the boundary can be nearest, by index over segments and arcs, where there are many.
+    near_boundary: Option<Index>,
 }
 
 impl ShapeField {
-    /// The field of the union of `obstacles` in the normalised units of `frame`.
-    pub fn new(obstacles: &[Obstacle], frame: &Frame) -> Self {
+    /// The field of the union of `obstacles` in the normalised units of `frame`; none once `go_on` is false.
+    pub fn new(
+        obstacles: &[Obstacle],
+        frame: &Frame,
+        size: [f32; 2],
+        go_on: &dyn Fn() -> bool,
+    ) -> Option<Self> {
         let mut field = Self {
             rects: Vec::new(),
             circles: Vec::new(),
             polygons: Vec::new(),
             boundary: SegmentLanes::default(),
+            segments: 0,
             arcs: Vec::new(),
+            near_shapes: None,
+            near_boundary: None,
         };
         for obstacle in obstacles {
             match obstacle {
@@ -138,13 +76,14 @@ impl ShapeField {
                 ),
             }
         }
-        let union = UnionBoundary::new(obstacles, 1e-9 * frame.scale);
+        let union = UnionBoundary::new(obstacles, 1e-9 * frame.scale, go_on)?;
         let sides: Vec<Side> = union
             .segments
             .iter()
             .map(|&(a, b)| Side::new(frame.to_normalised(a), frame.to_normalised(b)))
             .collect();
         field.boundary = SegmentLanes::new(&sides);
+        field.segments = sides.len();
         field.arcs = union
             .arcs
             .iter()
@@ -157,7 +96,28 @@ impl ShapeField {
                 ..*arc
             })
             .collect();
-        field
+        if obstacles.len() > MOST_WITHOUT_INDEX {
+            // Room around the field, for what an optimizer tries.
+            let side = 1.25 * size[0].max(size[1]);
+            let low = size.map(|length| 0.5 * (length - side));
+            let shapes = Shapes::new(&field);
+            let boundary = Boundary::new(&sides, &field.arcs);
+            let near_shapes = Index::new(&shapes, low, side, go_on)?;
+            let near_boundary = Index::new(&boundary, low, side, go_on)?;
+            (field.near_shapes, field.near_boundary) = (Some(near_shapes), Some(near_boundary));
+        }
+        Some(field)
+    }
+
+    /// The same without its indices: the slow twin.
+    #[cfg(test)]
+    pub(super) fn without_index(self) -> Self {
+        Self { near_shapes: None, near_boundary: None, ..self }
+    }
+
+    #[cfg(test)]
+    pub(super) fn shapes_index(&self) -> Option<&Index> {
+        self.near_shapes.as_ref()
     }
 
     /// Samples all points; slices have equal length, a multiple of [`LANES`].
@@ -192,42 +152,37 @@ impl ShapeField {
 
     #[inline(always)]
     fn probe_block(&self, x: &[f32; LANES], y: &[f32; LANES]) -> [f32; LANES] {
-        // Outside, the least square decides and no depth is below 0; inside, the least depth.
-        let (mut square, mut depth) = ([f32::INFINITY; LANES], [0.0_f32; LANES]);
-        let least = |a: f32, b: f32| if a < b { a } else { b };
-        let most = |a: f32, b: f32| if a > b { a } else { b };
-        for &[min_x, min_y, max_x, max_y] in &self.rects {
-            for l in 0..LANES {
-                let dx = most(min_x - x[l], x[l] - max_x);
-                let dy = most(min_y - y[l], y[l] - max_y);
-                let (ox, oy) = (most(dx, 0.0), most(dy, 0.0));
-                square[l] = least(square[l], ox * ox + oy * oy);
-                depth[l] = least(depth[l], most(dx, dy));
-            }
-        }
-        for &[center_x, center_y, radius] in &self.circles {
-            for l in 0..LANES {
-                let (dx, dy) = (x[l] - center_x, y[l] - center_y);
-                let distance = (dx * dx + dy * dy).sqrt() - radius;
-                let outside = most(distance, 0.0);
-                square[l] = least(square[l], outside * outside);
-                depth[l] = least(depth[l], distance);
-            }
-        }
-        for sides in &self.polygons {
-            for l in 0..LANES {
-                let (mut outside, mut nearest) = (false, f32::INFINITY);
-                for side in sides {
-                    let (rx, ry) = (x[l] - side.from[0], y[l] - side.from[1]);
-                    outside |= side.direction[0] * ry - side.direction[1] * rx < 0.0;
-                    let [ox, oy] = side.offset(x[l], y[l]);
-                    nearest = least(nearest, ox * ox + oy * oy);
+        let mut probe = Probe::default();
+        match &self.near_shapes {
+            None => self.probe_every(x, y, &mut probe),
+            Some(index) => by_leaf(index, x, y, |leaf, lanes| {
+                let mut part = Probe::default();
+                if leaf == OUTSIDE {
+                    self.probe_every(x, y, &mut part);
+                } else {
+                    for &shape in index.candidates(leaf) {
+                        match self.shape(shape) {
+                            Shape::Rect(rect) => part.rect(rect, x, y),
+                            Shape::Circle(circle) => part.circle(circle, x, y),
+                            Shape::Polygon(sides) => part.polygon(sides, x, y),
+                        }
+                    }
                 }
-                square[l] = least(square[l], if outside { nearest } else { 0.0 });
-                depth[l] = least(depth[l], if outside { 0.0 } else { -nearest.sqrt() });
-            }
+                for l in 0..LANES {
+                    probe.square[l] = if lanes[l] { part.square[l] } else { probe.square[l] };
+                    probe.depth[l] = if lanes[l] { part.depth[l] } else { probe.depth[l] };
+                }
+            }),
         }
+        let Probe { square, depth } = probe;
         std::array::from_fn(|l| if depth[l] < 0.0 { depth[l] } else { square[l].sqrt() })
+    }
+
+    #[inline(always)]
+    fn probe_every(&self, x: &[f32; LANES], y: &[f32; LANES], probe: &mut Probe) {
+        self.rects.iter().for_each(|rect| probe.rect(rect, x, y));
+        self.circles.iter().for_each(|circle| probe.circle(circle, x, y));
+        self.polygons.iter().for_each(|sides| probe.polygon(sides, x, y));
     }
 
     #[inline(always)]
@@ -250,50 +205,52 @@ impl ShapeField {
     /// Squared distance to the nearest shape (0 inside) and the offset from its nearest point.
     #[inline(always)]
     fn outside(&self, x: &[f32; LANES], y: &[f32; LANES]) -> Block {
-        let mut best = [f32::INFINITY; LANES];
-        let (mut best_x, mut best_y) = ([0.0; LANES], [0.0; LANES]);
-        for &[min_x, min_y, max_x, max_y] in &self.rects {
-            let (known, known_x, known_y) = (best, best_x, best_y);
-            for l in 0..LANES {
-                let dx = x[l] - x[l].max(min_x).min(max_x);
-                let dy = y[l] - y[l].max(min_y).min(max_y);
-                let square = dx * dx + dy * dy;
-                let nearer = square < known[l];
-                best[l] = if nearer { square } else { known[l] };
-                best_x[l] = if nearer { dx } else { known_x[l] };
-                best_y[l] = if nearer { dy } else { known_y[l] };
-            }
-        }
-        let mut keep = |l: usize, square: f32, offset_x: f32, offset_y: f32| {
-            let nearer = square < best[l];
-            best[l] = if nearer { square } else { best[l] };
-            best_x[l] = if nearer { offset_x } else { best_x[l] };
-            best_y[l] = if nearer { offset_y } else { best_y[l] };
-        };
-        for &[center_x, center_y, radius] in &self.circles {
-            for l in 0..LANES {
-                let (dx, dy) = (x[l] - center_x, y[l] - center_y);
-                let to_center = (dx * dx + dy * dy).sqrt();
-                let outside = (to_center - radius).max(0.0);
-                let factor = outside / to_center.max(f32::MIN_POSITIVE);
-                keep(l, outside * outside, dx * factor, dy * factor);
-            }
-        }
-        for sides in &self.polygons {
-            for l in 0..LANES {
-                let mut outside = false;
-                let mut nearest = [f32::INFINITY, 0.0, 0.0];
-                for side in sides {
-                    let (rx, ry) = (x[l] - side.from[0], y[l] - side.from[1]);
-                    outside |= side.direction[0] * ry - side.direction[1] * rx < 0.0;
-                    let [ox, oy] = side.offset(x[l], y[l]);
-                    let square = ox * ox + oy * oy;
-                    nearest = if square < nearest[0] { [square, ox, oy] } else { nearest };
+        let mut nearest = Nearest::default();
+        match &self.near_shapes {
+            None => self.nearest_of_every(x, y, &mut nearest),
+            Some(index) => by_leaf(index, x, y, |leaf, lanes| {
+                let mut part = Nearest::default();
+                if leaf == OUTSIDE {
+                    self.nearest_of_every(x, y, &mut part);
+                } else {
+                    for &shape in index.candidates(leaf) {
+                        match self.shape(shape) {
+                            Shape::Rect(rect) => part.rect(rect, x, y),
+                            Shape::Circle(circle) => part.circle(circle, x, y),
+                            Shape::Polygon(sides) => part.polygon(sides, x, y),
+                        }
+                    }
                 }
-                keep(l, if outside { nearest[0] } else { 0.0 }, nearest[1], nearest[2]);
-            }
+                for l in 0..LANES {
+                    let keep = |new: f32, old: f32| if lanes[l] { new } else { old };
+                    nearest.square[l] = keep(part.square[l], nearest.square[l]);
+                    nearest.offset_x[l] = keep(part.offset_x[l], nearest.offset_x[l]);
+                    nearest.offset_y[l] = keep(part.offset_y[l], nearest.offset_y[l]);
+                }
+            }),
         }
-        (best, best_x, best_y)
+        (nearest.square, nearest.offset_x, nearest.offset_y)
+    }
+
+    #[inline(always)]
+    fn nearest_of_every(&self, x: &[f32; LANES], y: &[f32; LANES], nearest: &mut Nearest) {
+        self.rects.iter().for_each(|rect| nearest.rect(rect, x, y));
+        self.circles.iter().for_each(|circle| nearest.circle(circle, x, y));
+        self.polygons.iter().for_each(|sides| nearest.polygon(sides, x, y));
+    }
+
+    /// A shape by its number: rectangles first, then circles, then polygons.
+    #[inline(always)]
+    pub(super) fn shape(&self, number: u32) -> Shape<'_> {
+        let number = number as usize;
+        let (rects, circles) = (self.rects.len(), self.circles.len());
+        if number < rects {
+            Shape::Rect(&self.rects[number])
+        } else if number < rects + circles {
+            Shape::Circle(&self.circles[number - rects])
+        } else {
+            Shape::Polygon(&self.polygons[number - rects - circles])
+        }
     }
 
     /// Signed distance (at most 0) and gradient of a point inside the union or on its boundary.
@@ -301,14 +258,25 @@ impl ShapeField {
     fn inside(&self, x: f32, y: f32) -> (f32, f32, f32) {
         let mut nearest = (f32::INFINITY, 0.0, 0.0);
         let mut normal = [0.0, 0.0];
-        if let Some(i) = self.boundary.nearest(x, y) {
+        let near = self.near_boundary.as_ref().map(|index| (index, index.leaf(x, y)));
+        let near = near.filter(|(_, leaf)| *leaf != OUTSIDE);
+        let near = near.map(|(index, leaf)| index.candidates(leaf));
+        let segments = self.segments;
+        let nearest_segment = match near {
+            None => self.boundary.nearest(x, y),
+            Some(near) => {
+                let among = near.iter().map(|&i| i as usize).take_while(|&i| i < segments);
+                self.boundary.nearest_among(among, x, y)
+            }
+        };
+        if let Some(i) = nearest_segment {
             let side = self.boundary.side(i);
             let [ox, oy] = side.offset(x, y);
             nearest = (ox.hypot(oy), ox, oy);
             let length = side.direction[0].hypot(side.direction[1]).max(f32::MIN_POSITIVE);
             normal = [side.direction[1] / length, -side.direction[0] / length];
         }
-        for arc in &self.arcs {
+        let mut compare = |arc: &Arc| {
             let [ox, oy] = arc_offset(arc, x, y);
             let distance = ox.hypot(oy);
             if distance < nearest.0 {
@@ -316,6 +284,13 @@ impl ShapeField {
                 let (dx, dy) = (x - arc.center[0] as f32, y - arc.center[1] as f32);
                 let length = dx.hypot(dy).max(f32::MIN_POSITIVE);
                 normal = [dx / length, dy / length];
+            }
+        };
+        match near {
+            None => self.arcs.iter().for_each(compare),
+            Some(near) => {
+                let arcs = near.iter().map(|&i| i as usize).filter(|&i| i >= segments);
+                arcs.for_each(|i| compare(&self.arcs[i - segments]));
             }
         }
         let (depth, ox, oy) = nearest;
@@ -327,12 +302,42 @@ impl ShapeField {
     }
 }
 
+/// One shape of a field.
+pub(super) enum Shape<'a> {
+    Rect(&'a [f32; 4]),
+    Circle(&'a [f32; 3]),
+    Polygon(&'a [Side]),
+}
+
+/// Calls `visit` with each leaf that holds one of the points, and which of them it holds.
+#[inline(always)]
+fn by_leaf(
+    index: &Index,
+    x: &[f32; LANES],
+    y: &[f32; LANES],
+    mut visit: impl FnMut(u32, &[bool; LANES]),
+) {
+    let leaves: [u32; LANES] = std::array::from_fn(|l| index.leaf(x[l], y[l]));
+    let mut left = [true; LANES];
+    while let Some(first) = left.iter().position(|&left| left) {
+        let lanes = leaves.map(|leaf| leaf == leaves[first]);
+        visit(leaves[first], &lanes);
+        for l in 0..LANES {
+            left[l] &= !lanes[l];
+        }
+    }
+}
+
 /// Distances (or squares) and two components for a block of points.
 type Block = ([f32; LANES], [f32; LANES], [f32; LANES]);
 
 /// From the nearest point of an arc to `(x, y)`.
 fn arc_offset(arc: &Arc, x: f32, y: f32) -> [f32; 2] {
-    let (dx, dy) = (f64::from(x) - arc.center[0], f64::from(y) - arc.center[1]);
+    offset_from_arc(arc, [f64::from(x), f64::from(y)]).map(|offset| offset as f32)
+}
+
+pub(super) fn offset_from_arc(arc: &Arc, [x, y]: [f64; 2]) -> [f64; 2] {
+    let (dx, dy) = (x - arc.center[0], y - arc.center[1]);
     let turn = (dy.atan2(dx) - arc.from).rem_euclid(std::f64::consts::TAU);
     let end = arc.from + arc.sweep;
     let angle = if turn <= arc.sweep {
@@ -342,5 +347,5 @@ fn arc_offset(arc: &Arc, x: f32, y: f32) -> [f32; 2] {
         let past_end = turn - arc.sweep;
         if past_end < std::f64::consts::TAU - turn { end } else { arc.from }
     };
-    [(dx - arc.radius * angle.cos()) as f32, (dy - arc.radius * angle.sin()) as f32]
+    [dx - arc.radius * angle.cos(), dy - arc.radius * angle.sin()]
 }

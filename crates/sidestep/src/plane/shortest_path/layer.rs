@@ -4,6 +4,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::corners::{Corner, Rounding};
+use super::search::CHECKS_A_QUESTION;
 use super::sight::Sight;
 use crate::plane::certificate::{Certifier, Growth};
 use crate::plane::geometry::{ConvexPolygon, Rect};
@@ -30,8 +31,12 @@ pub(crate) struct Layer {
 }
 
 impl Layer {
-    /// Every path over these corners that the certifier allows is a path of the robot.
-    pub(crate) fn outside(certifier: Certifier, arcs_per_right_angle: u32) -> Self {
+    /// Every path over these corners that the certifier allows is a path of the robot. None once `go_on` is false.
+    pub(crate) fn outside(
+        certifier: Certifier,
+        arcs_per_right_angle: u32,
+        go_on: &dyn Fn() -> bool,
+    ) -> Option<Self> {
         let slack = SLACK_TOLERANCES * certifier.tolerance();
         let radius = certifier.radius() + CORNER_TOLERANCES * certifier.tolerance();
         let step = FRAC_PI_2 / f64::from(arcs_per_right_angle);
@@ -53,7 +58,7 @@ impl Layer {
         let reach = 1.0 / (0.5 * step).cos() - 1.0;
         let band = widest.fold(radius, f64::max) * reach + certifier.tolerance();
         let band = if Self::is_exact(&certifier) { 0.0 } else { band };
-        Self { band, ..Self::new(certifier, corners, slack) }
+        Some(Self { band, ..Self::new(certifier, corners, slack, go_on)? })
     }
 
     /// No path of the robot is shorter than the shortest over these corners.
@@ -62,8 +67,12 @@ impl Layer {
     /// grown by the polygon that is inscribed in a disc of that radius. The corners are that polygon's;
     /// the checks grow the shape by a polygon one or a few quarter tolerances smaller, so that sides
     /// and corners stay allowed. Flat sides are therefore exact: a gap just as wide as the robot is
-    /// closed.
-    pub(crate) fn inside(outside: &Certifier, arcs_per_right_angle: u32) -> Self {
+    /// closed. None once `go_on` is false.
+    pub(crate) fn inside(
+        outside: &Certifier,
+        arcs_per_right_angle: u32,
+        go_on: &dyn Fn() -> bool,
+    ) -> Option<Self> {
         let tolerance = outside.tolerance();
         let slack = SLACK_TOLERANCES * tolerance;
         let reach = outside.margin();
@@ -114,15 +123,30 @@ impl Layer {
             })
         });
         let certifier = Certifier::from_parts(outside.bounds(), 0.0, margin, shapes, cells);
-        Self::new(certifier, corners, slack)
+        Self::new(certifier, corners, slack, go_on)
     }
 
     /// Keeps the corners that are free.
-    fn new(certifier: Certifier, mut corners: Vec<Corner>, slack: f64) -> Self {
-        corners.retain(|corner| certifier.point_is_free(corner.at));
-        let sight =
-            (corners.len() > MOST_WITHOUT_SIGHT).then(|| Sight::new(&certifier, &mut corners));
-        Self { certifier, corners, slack, sight, band: 0.0 }
+    fn new(
+        certifier: Certifier,
+        mut corners: Vec<Corner>,
+        slack: f64,
+        go_on: &dyn Fn() -> bool,
+    ) -> Option<Self> {
+        let (mut checks, mut in_time) = (0_usize, true);
+        corners.retain(|corner| {
+            checks += 1;
+            in_time &= !checks.is_multiple_of(CHECKS_A_QUESTION) || go_on();
+            in_time && certifier.point_is_free(corner.at)
+        });
+        if !in_time {
+            return None;
+        }
+        let sight = match corners.len() > MOST_WITHOUT_SIGHT {
+            true => Some(Sight::new(&certifier, &mut corners, go_on)?),
+            false => None,
+        };
+        Some(Self { certifier, corners, slack, sight, band: 0.0 })
     }
 
     /// Whether the corners are exact but for a few tolerances: nothing is round.

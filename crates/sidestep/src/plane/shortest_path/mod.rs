@@ -8,10 +8,11 @@
 //! edges and touching corners need no special case, a path may run along a side, a gap of no width is
 //! closed, and every path is certified.
 //!
-//! *Solvable* therefore means: there is a path with a clearance of a few tolerances. For a point
-//! among rectangles, polygons and grid cells the answer is exact in that sense. Arcs, round a disc's corners or
-//! circles, are approximated from outside (a path, an upper bound) and from inside (a lower bound, or a
-//! proof that there is no path), finer and finer until both agree on whether there is a path.
+//! *Solvable* therefore means: there is a path with a clearance of a few tolerances. *Unsolvable* means that there is no path
+//! which the certificate would pass: a second search, over corners nearer to the obstacles and with checks that ask for a
+//! quarter of what the certificate asks, found none either. Passages between the two, some three tolerances wider than the
+//! robot, are left undecided. Arcs, round a disc's corners or circles, are approximated from outside (a path, an
+//! upper bound) and from inside (a lower bound, or that proof), finer and finer until both agree on whether there is a path.
 
 mod corners;
 mod layer;
@@ -61,9 +62,15 @@ impl ShortestPath {
 
     /// Prepares the queries of a certifier's robot in its world.
     pub fn of(certifier: Certifier) -> Self {
+        Self::of_while(certifier, &|| true).expect("nobody breaks off")
+    }
+
+    /// [`ShortestPath::of`] that is broken off, with nothing, once `go_on` is false.
+    pub fn of_while(certifier: Certifier, go_on: &dyn Fn() -> bool) -> Option<Self> {
         let is_exact = Layer::is_exact(&certifier);
-        let outside = Arc::new(Layer::outside(certifier, ARCS));
-        Self { outside, inside: Arc::default(), is_exact, workspace: Workspace::default() }
+        let outside = Arc::new(Layer::outside(certifier, ARCS, go_on)?);
+        let workspace = Workspace::default();
+        Some(Self { outside, inside: Arc::default(), is_exact, workspace })
     }
 
     /// The certifier of the same world and robot.
@@ -78,8 +85,7 @@ impl ShortestPath {
         self.find_while(start, goal, &|| true)
     }
 
-    /// [`ShortestPath::find`] that is broken off ([`Doubt::BrokenOff`]) once `go_on` is false. It is asked every few microseconds, but
-    /// not while a finer approximation of arcs is prepared.
+    /// [`ShortestPath::find`] that is broken off ([`Doubt::BrokenOff`]) once `go_on` is false. It is asked every few microseconds.
     pub fn find_while(&mut self, start: Point, goal: Point, go_on: &dyn Fn() -> bool) -> Route {
         let limits = Limits { checks: MOST_CHECKS, go_on };
         let certifier = &self.outside.certifier;
@@ -101,16 +107,11 @@ impl ShortestPath {
             return Route::Unsolvable(Proof::Disconnected);
         }
         let workspace = &mut self.workspace;
-        let outer = if self.is_exact {
-            search(workspace, &self.outside, start, goal, limits)
-        } else {
-            workspace.search(&self.outside, start, goal, true, limits)
-        };
+        let outer = workspace.search(&self.outside, start, goal, true, limits);
         let trajectory = || Trajectory::from_points(&workspace.path(&self.outside, start, goal));
         match outer {
             Ending::OutOfWork => Route::Undecided(Doubt::OutOfWork { checks: MOST_CHECKS }),
             Ending::BrokenOff => Route::Undecided(Doubt::BrokenOff),
-            Ending::Exhausted if self.is_exact => Route::Unsolvable(Proof::Disconnected),
             Ending::Found(length) if self.is_exact => {
                 Route::Found { trajectory: trajectory(), length, lower_bound: length }
             }
@@ -136,11 +137,17 @@ impl ShortestPath {
         loop {
             let fresh;
             let inside = if arcs == ARCS {
-                self.inside.get_or_init(|| Layer::inside(&self.outside.certifier, arcs))
+                if self.inside.get().is_none()
+                    && let Some(layer) = Layer::inside(&self.outside.certifier, arcs, limits.go_on)
+                {
+                    let _ = self.inside.set(layer);
+                }
+                self.inside.get()
             } else {
-                fresh = Layer::inside(&self.outside.certifier, arcs);
-                &fresh
+                fresh = Layer::inside(&self.outside.certifier, arcs, limits.go_on);
+                fresh.as_ref()
             };
+            let Some(inside) = inside else { return broken_off(found, lower_bound) };
             let inner = search(workspace, inside, start, goal, limits);
             if let Ending::Found(bound) = inner {
                 lower_bound = lower_bound.max(bound);
@@ -171,11 +178,21 @@ impl ShortestPath {
                     workspace.search(&self.outside, start, goal, false, limits)
             {
                 let points = workspace.path(&self.outside, start, goal);
-                found = Some((Trajectory::from_points(&points), length));
+                let trajectory = Trajectory::from_points(&points);
+                if self.is_exact {
+                    return Route::Found { trajectory, length, lower_bound: length };
+                }
+                found = Some((trajectory, length));
                 continue;
             }
+            if self.is_exact {
+                return Route::Undecided(Doubt::NarrowPassage { lower_bound });
+            }
             arcs *= 2;
-            let outside = Layer::outside(self.outside.certifier.clone(), arcs);
+            let certifier = self.outside.certifier.clone();
+            let Some(outside) = Layer::outside(certifier, arcs, limits.go_on) else {
+                return broken_off(found, lower_bound);
+            };
             let outer = workspace.search(&outside, start, goal, true, limits);
             if let Ending::Found(length) = outer
                 && found.as_ref().is_none_or(|known| length < known.1)
@@ -184,6 +201,16 @@ impl ShortestPath {
                 found = Some((Trajectory::from_points(&points), length));
             }
         }
+    }
+}
+
+/// The path found so far, or that time did not allow to find one.
+fn broken_off(found: Option<(Trajectory, f64)>, lower_bound: f64) -> Route {
+    match found {
+        Some((trajectory, length)) => {
+            Route::Found { trajectory, length, lower_bound: lower_bound.min(length) }
+        }
+        None => Route::Undecided(Doubt::BrokenOff),
     }
 }
 

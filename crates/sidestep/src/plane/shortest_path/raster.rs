@@ -11,6 +11,8 @@ use crate::plane::world::Obstacle;
 
 /// Most cells; a larger area gets larger cells, then without the occupied cells of a grid.
 const MOST_CELLS: f64 = 3e8;
+/// Most rows, and most columns: a row takes a word at least, however few columns it has.
+const MOST_SIDE: f64 = 1048576.0;
 
 /// Blocked cells over the bounds.
 #[derive(Debug, Clone)]
@@ -24,11 +26,11 @@ pub(crate) struct Raster {
 
 impl Raster {
     /// The blocked cells of a certifier's world: those of its grid, or else cells a fraction of
-    /// the typical distance between shapes.
-    pub(crate) fn new(certifier: &Certifier) -> Self {
+    /// the typical distance between shapes. None once `go_on` is false.
+    pub(crate) fn new(certifier: &Certifier, go_on: &dyn Fn() -> bool) -> Option<Self> {
         let bounds = certifier.bounds();
         let [width, height] = bounds.size().map(|side| side.max(0.0));
-        let least = (width * height / MOST_CELLS).sqrt();
+        let least = (width * height / MOST_CELLS).sqrt().max(width.max(height) / MOST_SIDE);
         let aligned = certifier.cells().filter(|cells| cells.resolution() >= least);
         let resolution = match aligned {
             Some(cells) => cells.resolution(),
@@ -38,26 +40,31 @@ impl Raster {
                 (width.max(height) / across).max(least).max(f64::MIN_POSITIVE)
             }
         };
-        // The first column and row, counted from the grid's.
+        // The first column and row, counted from the grid's. A sliver that rounding leaves beyond the grid's border belongs to
+        // the cells beside it: as a column of its own it would join what the border separates.
+        let sliver = 0.25 * certifier.tolerance() / resolution;
         let base = aligned.map_or(bounds.min, |cells| cells.origin());
-        let first =
-            [0, 1].map(|axis| ((bounds.min[axis] - base[axis]) / resolution).floor().max(-1e9));
+        let first = [0, 1]
+            .map(|axis| ((bounds.min[axis] - base[axis]) / resolution + sliver).floor().max(-1e9));
         let origin = [0, 1].map(|axis| base[axis] + first[axis] * resolution);
         let count = |axis: usize| {
-            let cells = ((bounds.max[axis] - origin[axis]) / resolution).ceil();
+            let cells = ((bounds.max[axis] - origin[axis]) / resolution - sliver).ceil();
             if cells.is_finite() && cells >= 1.0 { cells as usize } else { 1 }
         };
         let mut raster = Self { blocked: BitGrid::new(count(0), count(1)), origin, resolution };
-        // A hair less than the margin, for rounding.
-        let margin = certifier.margin() * (1.0 - 1e-9);
+        // Half a tolerance less than what is refused, for rounding.
+        let hair = 0.5 * certifier.tolerance();
         for obstacle in certifier.obstacles() {
-            raster.block(obstacle, margin);
+            if !go_on() {
+                return None;
+            }
+            raster.block(obstacle, certifier.margin() - hair);
         }
         if let Some(cells) = aligned {
-            let margin = cells.sure_margin() * (1.0 - 1e-9);
+            let margin = (cells.sure_margin() - hair).max(0.0);
             raster.block_cells(cells.bits(), first.map(|index| index as i64), margin);
         }
-        raster
+        Some(raster)
     }
 
     /// Number of columns.
@@ -217,7 +224,7 @@ mod tests {
             for grid in [None, Some(grid.clone())] {
                 let world = World::new(bounds, shapes.clone(), grid);
                 let certifier = Certifier::new(&world, Robot::disc(radius).unwrap());
-                let raster = Raster::new(&certifier);
+                let raster = Raster::new(&certifier, &|| true).unwrap();
                 let mut count = 0;
                 for row in 0..raster.height() {
                     for column in 0..raster.width() {

@@ -16,7 +16,7 @@ pub enum Route {
         /// is shorter. Equal to the length where nothing is round.
         lower_bound: f64,
     },
-    /// There is no path, proved.
+    /// There is no path that the certificate would pass, proved.
     Unsolvable(Proof),
     /// The search was given up.
     Undecided(Doubt),
@@ -33,7 +33,7 @@ impl Route {
 }
 
 /// Why there can be no path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Proof {
     /// The robot cannot stand at the start or at the goal.
     #[error("{0}")]
@@ -55,8 +55,8 @@ pub enum Doubt {
     /// The caller broke the search off.
     #[error("the time budget is spent and the exact search not through")]
     BrokenOff,
-    /// Whether the robot fits a passage depends on arcs finer than were tried.
-    #[error("a passage is as narrow as the robot to within the approximation of arcs")]
+    /// Whether the robot fits a passage depends on a few tolerances, or on arcs finer than were tried.
+    #[error("a passage is as narrow as the robot to within what can be decided")]
     NarrowPassage {
         /// No path is shorter than this.
         lower_bound: f64,

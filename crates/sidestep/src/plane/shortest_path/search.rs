@@ -20,8 +20,8 @@ use crate::plane::geometry::{Point, cross, distance, norm, scale, sub};
 /// Most edges waiting, for the sake of memory (24 bytes each).
 const MOST_QUEUED: usize = 1 << 24;
 
-/// Edge checks from one question whether to go on to the next.
-const CHECKS_A_QUESTION: usize = 16;
+/// Checks from one question whether to go on to the next.
+pub(super) const CHECKS_A_QUESTION: usize = 16;
 
 /// What one search may cost.
 #[derive(Clone, Copy)]

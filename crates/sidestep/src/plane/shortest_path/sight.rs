@@ -44,9 +44,13 @@ pub(crate) struct Fan {
 }
 
 impl Sight {
-    /// Prepares the walk and sorts the corners by row and column.
-    pub(crate) fn new(certifier: &Certifier, corners: &mut [Corner]) -> Self {
-        let raster = Raster::new(certifier);
+    /// Prepares the walk and sorts the corners by row and column. None once `go_on` is false.
+    pub(crate) fn new(
+        certifier: &Certifier,
+        corners: &mut [Corner],
+        go_on: &dyn Fn() -> bool,
+    ) -> Option<Self> {
+        let raster = Raster::new(certifier, go_on)?;
         let height = raster.height();
         let row_of = |corner: &Corner| Raster::index(raster.local(corner.at)[1], height);
         corners.sort_by(|a, b| row_of(a).cmp(&row_of(b)).then(a.at[0].total_cmp(&b.at[0])));
@@ -66,7 +70,7 @@ impl Sight {
         }
         let parts = connect(&all, &row_runs);
         let hair = 0.5 * certifier.tolerance() / raster.resolution;
-        Self { raster, runs: all, row_runs, parts, columns, row_corners, hair }
+        Some(Self { raster, runs: all, row_runs, parts, columns, row_corners, hair })
     }
 
     /// Calls `visit` with every corner that may be seen from `at`, some of them twice; with a `cone`

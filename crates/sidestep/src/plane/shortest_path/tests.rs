@@ -355,3 +355,69 @@ fn a_search_can_be_broken_off() {
     assert!(query.find_while(start, [5.0, 32.0], &|| false).length().is_some());
     assert!(query.find(start, goal).length().is_some());
 }
+
+#[test]
+fn no_proof_beside_a_path_through_a_gap_of_a_few_tolerances() {
+    let mut rng = ChaCha8Rng::seed_from_u64(20_002);
+    let mut counts = [0; 3];
+    for index in 0..3000 {
+        // A wall with one door, as boxes, polygons or cells, in a field of any size and place.
+        let scale = 10_f64.powi(rng.random_range(-6..5));
+        let at = [0.0, 0.1, 1e3, 5e6][rng.random_range(0..4)];
+        let radius = if index % 3 == 0 { scale * rng.random_range(0.01..2.0) } else { 0.0 };
+        let place = |x: f64, y: f64| [at + scale * x, at + scale * y];
+        let bounds = Rect { min: place(0.0, 0.0), max: place(10.0, 10.0) };
+        let robot = Robot::disc(radius).unwrap();
+        let tolerance = Certifier::new(&World::new(bounds, Vec::new(), None), robot).tolerance();
+        let y = at + scale * rng.random_range(4.0..6.0);
+        let half = radius + tolerance * rng.random_range(-0.5..3.0);
+        let (left, right) = (at + scale * 4.0, at + scale * rng.random_range(4.1..6.0));
+        let lower = Rect { min: [left, at - scale], max: [right, y - half] };
+        let upper = Rect { min: [left, y + half], max: [right, at + 11.0 * scale] };
+        let shape = |rect: Rect| match index % 2 {
+            0 => Obstacle::Rect(rect),
+            _ => Obstacle::Polygon(ConvexPolygon::from_convex(rect.corners().to_vec())),
+        };
+        let world = World::new(bounds, vec![shape(lower), shape(upper)], None);
+        let mut query = ShortestPath::new(&world, robot);
+        let (start, goal) = (place(2.1, 5.0), place(7.9, 5.0));
+        let outside = 1.5 * radius + 2.0 * tolerance;
+        let path = [start, [left - outside, y], [right + outside, y], goal];
+        let certified = query.certifier().is_certified(&path);
+        let route = query.find(start, goal);
+        let proved = matches!(route, Route::Unsolvable(Proof::Disconnected));
+        let context = format!("{index}: {half} {tolerance} {route:?}");
+        assert!(!(certified && proved), "{context}");
+        if let Route::Found { trajectory, .. } = &route {
+            assert_eq!(query.certifier().check(trajectory), Ok(()), "{context}");
+        }
+        counts[usize::from(proved) + 2 * usize::from(!proved && route.length().is_none())] += 1;
+    }
+    // All three answers happen, and few are undecided that could be decided.
+    assert!(counts.iter().all(|&count| count > 300), "{counts:?}");
+}
+
+#[test]
+fn rasters_are_bounded_by_their_sides() {
+    let bounds = Rect { min: [0.0; 2], max: [1e9, 1e-6] };
+    let grid = Grid::new(1, 1, 1e-3, [0.0; 2], vec![false]).unwrap();
+    let bars = (0..300).map(|i| {
+        let x = 3e6 * f64::from(i);
+        rect(x + 1e6, -9.0, x + 2e6, -2.0)
+    });
+    let obstacles: Vec<_> = bars.chain([rect(7e8, -1.0, 8e8, 1.0)]).collect();
+    for (bounds, turn) in [(bounds, false), (Rect { min: [0.0; 2], max: [1e-6, 1e9] }, true)] {
+        let turned = |shape: &Obstacle| {
+            let Rect { min: [x0, y0], max: [x1, y1] } = shape.bounding_box();
+            if turn { rect(y0, x0, y1, x1) } else { rect(x0, y0, x1, y1) }
+        };
+        let obstacles = obstacles.iter().map(turned).collect();
+        let world = World::new(bounds, obstacles, Some(grid.clone()));
+        let certifier = Certifier::new(&world, Robot::Point);
+        let raster = raster::Raster::new(&certifier, &|| true).unwrap();
+        assert!(raster.width().max(raster.height()) <= 1 << 21);
+        let end = |x: f64| if turn { [5e-7, x] } else { [x, 5e-7] };
+        let route = ShortestPath::new(&world, Robot::Point).find(end(1.0), end(9e8));
+        assert!(matches!(route, Route::Unsolvable(Proof::Disconnected)), "{route:?}");
+    }
+}
