@@ -22,7 +22,7 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 14] = [
+pub const TARGETS: [Target; 13] = [
     Target { name: "task_json", run: readers::task_json, longest: 4096 },
     Target { name: "task_lines", run: readers::task_lines, longest: 4096 },
     Target { name: "barn", run: readers::barn, longest: 2048 },
@@ -32,9 +32,8 @@ pub const TARGETS: [Target; 14] = [
     Target { name: "ros_yaml", run: readers::ros_yaml, longest: 1024 },
     Target { name: "pgm", run: readers::pgm, longest: 1024 },
     Target { name: "png", run: readers::png, longest: 2048 },
+    Target { name: "any_file", run: readers::any_file, longest: 2048 },
     Target { name: "policy", run: training::policy, longest: 32_768 },
-    Target { name: "checkpoint", run: training::checkpoint, longest: 32_768 },
-    Target { name: "recipe", run: training::recipe, longest: 1024 },
     Target { name: "names", run: training::names, longest: 128 },
     Target { name: "planning", run: planning::planning, longest: 256 },
 ];

@@ -3,8 +3,7 @@
 
 use std::sync::Arc;
 
-use sidestep::plan::planner_name::parse_planner;
-use sidestep::plan::{Options, Plan, Status, plan};
+use sidestep::plan::{Options, Plan, Status, parse_planner, plan};
 use sidestep::plane::geometry::{Circle, ConvexPolygon, Point, Rect};
 use sidestep::{InvalidInput, Obstacle, PlaneTask, Robot, Task, Trajectory, World, certify};
 

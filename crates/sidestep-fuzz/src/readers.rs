@@ -1,9 +1,11 @@
 //! Readers of files: whatever the bytes, an answer; and what was read and written is read the same.
 
 use std::fmt::Display;
+use std::io;
 
 use sidestep::{Robot, Task};
 use sidestep_io::benchmarks::{barn as barn_file, mpnet::Simple2d};
+use sidestep_io::input::{Content, Question, read};
 use sidestep_io::ros_map::{self, Unknown};
 use sidestep_io::{TaskFormat, grid_world, movingai, read_tasks, write_tasks};
 
@@ -39,7 +41,8 @@ pub fn task_lines(bytes: &[u8]) {
 
 pub fn barn(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
-    told(barn_file::read(&text, barn_file::JACKAL_RADIUS)).inspect(|tasks| same_again(tasks));
+    let question = barn_file::Question { robot_radius: 0.333, ..Default::default() };
+    told(barn_file::read(&text, &question)).inspect(|tasks| same_again(tasks));
 }
 
 /// The first byte says how much of the rest is the blocks' file, in pairs of f64.
@@ -85,4 +88,13 @@ pub fn png(bytes: &[u8]) {
         None => [b"\x89PNG\r\n\x1a\n", bytes].concat(),
     };
     told(ros_map::read(YAML, Unknown::Occupied, |_| Ok(begun)));
+}
+
+/// A file whose kind its bytes must tell; files that it names cannot be read.
+pub fn any_file(bytes: &[u8]) {
+    let mut load = |_: &str| Err(io::Error::from(io::ErrorKind::NotFound));
+    let read = told(read("-", bytes, &Question::default(), &mut load));
+    if let Some(Content::Tasks(tasks)) = read.map(|input| input.content) {
+        assert!(!tasks.is_empty());
+    }
 }
