@@ -10,8 +10,11 @@
 //! free if bound > bulge
 //! ```
 //!
-//! The same for two balls of the body, whose difference of centres has the sum of their bulges (|.| is convex). All
-//! balls of a link are first tried at once, as the one ball around them.
+//! The same for two balls of the body, whose difference of centres has the sum of their bulges (|.| is convex).
+//!
+//! Most are far from most, so cheaper questions come first: every place on a chord is within half its length of one of its ends,
+//! so if no configuration is nearer than bulge + half the longest chord (its *sweep*), nothing is open. That is asked
+//! for the ball around a link, then for its balls, and only then for tangents.
 
 use super::Certifier;
 use crate::arm::kinematics::{Frame, Lane, Points, point};
@@ -26,6 +29,10 @@ pub struct Work {
     frames: Vec<Frame>,
     /// Centres of the balls around the parts, then of the balls.
     places: Vec<Points>,
+    /// How far each can be from the nearest of the block's configurations, in the same order.
+    sweeps: Vec<f32>,
+    /// 1 for lanes that begin an interval, else 0.
+    pub(super) begins: Lane,
     /// Whether the balls of a part are in `places` for this block.
     placed: Vec<bool>,
     /// M / 8 of each, in the order of `places`.
@@ -48,6 +55,8 @@ impl Work {
             q: vec![[0.0; LANES]; arm.dof()],
             frames: vec![[[0.0; LANES]; 12]; certifier.program.frames()],
             places: vec![zero; arm.parts.len() + arm.balls.len()],
+            sweeps: vec![0.0; arm.parts.len() + arm.balls.len()],
+            begins: [0.0; LANES],
             placed: vec![false; arm.parts.len()],
             bulges: vec![0.0; certifier.reach.stride()],
             turned: vec![0.0; certifier.program.frames()],
@@ -100,7 +109,7 @@ impl Least {
             let (b, e) = (next[lane], after[lane]);
             // Where the tangents a + s t and b + e (t - 1) meet; not used unless s < 0 < e.
             let t = (b - e - a) / (s - e);
-            let meet = madd_plain(s, t, a);
+            let meet = s * t + a;
             let bound = if s >= 0.0 {
                 a
             } else if e <= 0.0 {
@@ -124,11 +133,6 @@ impl Least {
         }
         bits
     }
-}
-
-#[inline(always)]
-fn madd_plain(a: f32, b: f32, c: f32) -> f32 {
-    a * b + c
 }
 
 /// Each lane's right neighbour; the last one's is itself.
@@ -158,13 +162,15 @@ fn prove_body<const ISA: u8>(
     intervals: u32,
 ) -> Outcome {
     let arm = &certifier.arm;
+    let squared = width * width;
     certifier.program.place::<ISA>(&work.q, &mut work.frames);
     for (index, part) in arm.parts.iter().enumerate() {
         let center = certifier.around[index].0;
-        point::<ISA>(&work.frames[part.slot], center, &mut work.places[index]);
+        let place = &mut work.places[index];
+        point::<ISA>(&work.frames[part.slot], center, place);
+        work.sweeps[index] = sweep::<ISA>(place, &work.begins, work.bulges[index] * squared);
         work.placed[index] = false;
     }
-    let squared = width * width;
     let mut open = 0;
     // The far end of an arm meets most.
     for index in (certifier.first_moving..arm.parts.len()).rev() {
@@ -197,25 +203,35 @@ fn against_world<const ISA: u8>(
     let bulge = work.bulges[index] * squared;
     let (center, half) = span(&work.places[index]);
     let grown = f64::from(half + radius + bulge) + certifier.most_slack;
-    let Work { near, places, distances, normals, frames, placed, bulges, .. } = &mut *work;
+    let Work { near, places, sweeps, distances, normals, .. } = &mut *work;
     certifier.world.near(center.map(f64::from), grown, near);
-    let mut least = Least::new();
-    for &piece in near.iter() {
-        let slack = certifier.slack[piece as usize];
-        let place = &places[index..=index];
-        certifier.world.block_distances(piece, place, distances, normals);
-        let mut coarse = Least::new();
-        take_ball::<ISA>(&mut coarse, &distances[0], &normals[0], &place[0], radius + slack, bulge);
-        if (Least::bits(&coarse.interval) & intervals) == 0 {
-            continue;
+    let reach = radius + sweeps[index];
+    // `near` shrinks to the pieces that are not clear of the part as a whole.
+    let mut kept = 0;
+    for at in 0..near.len() {
+        let piece = near[at];
+        certifier.world.block_distances(piece, &places[index..=index], distances, normals);
+        if lane_min(&distances[0]) <= reach + certifier.slack[piece as usize] {
+            near[kept] = piece;
+            kept += 1;
         }
-        let part = &arm.parts[index];
-        let range = part.balls.clone();
-        place_balls::<ISA>(certifier, frames, places, placed, index);
-        let balls = &places[count + range.start..count + range.end];
+    }
+    if kept == 0 {
+        return Outcome::Open(0);
+    }
+    place_balls::<ISA>(certifier, work, index, squared);
+    let range = arm.parts[index].balls.clone();
+    let Work { near, places, sweeps, bulges, distances, normals, .. } = &mut *work;
+    let balls = &places[count + range.start..count + range.end];
+    let mut least = Least::new();
+    for &piece in &near[..kept] {
+        let slack = certifier.slack[piece as usize];
         certifier.world.block_distances(piece, balls, distances, normals);
         for (at, ball) in range.clone().enumerate() {
             let radius = certifier.balls[ball].1 + slack;
+            if lane_min(&distances[at]) > radius + sweeps[count + ball] {
+                continue;
+            }
             let bulge = bulges[count + ball] * squared;
             take_ball::<ISA>(&mut least, &distances[at], &normals[at], &balls[at], radius, bulge);
         }
@@ -229,7 +245,7 @@ fn against_world<const ISA: u8>(
             return Outcome::Blocked { lane, contact };
         }
     }
-    Outcome::Open(Least::bits(&least.interval))
+    Outcome::Open(Least::bits(&least.interval) & intervals)
 }
 
 /// One ball against one piece.
@@ -273,36 +289,40 @@ fn against_itself<const ISA: u8>(
     let arm = &certifier.arm;
     let count = arm.parts.len();
     let slack = certifier.self_slack;
-    let radius = certifier.around[a].1 + certifier.around[b].1 + slack;
-    let bulge = (work.bulges[a] + work.bulges[b]) * squared;
-    let mut coarse = Least::new();
-    take_pair::<ISA>(&mut coarse, &work.places[a], &work.places[b], radius, bulge);
-    if (Least::bits(&coarse.interval) & intervals) == 0 {
+    let around = |part: usize| certifier.around[part].1;
+    let reach = around(a) + around(b) + slack + work.sweeps[a] + work.sweeps[b];
+    if least_square::<ISA>(&work.places[a], &work.places[b]) > reach * reach {
         return Outcome::Open(0);
     }
-    let Work { places, frames, placed, bulges, .. } = &mut *work;
-    place_balls::<ISA>(certifier, frames, places, placed, a);
-    place_balls::<ISA>(certifier, frames, places, placed, b);
-    let mut least = Least::new();
+    place_balls::<ISA>(certifier, work, a, squared);
+    place_balls::<ISA>(certifier, work, b, squared);
+    let Work { places, sweeps, bulges, .. } = &*work;
+    let mut open = 0;
     for i in arm.parts[a].balls.clone() {
+        let (place, own) = (&places[count + i], certifier.balls[i].1 + slack);
+        let swept = own + sweeps[count + i];
+        let reach = swept + around(b) + sweeps[b];
+        if least_square::<ISA>(place, &places[b]) > reach * reach {
+            continue;
+        }
         for j in arm.parts[b].balls.clone() {
-            let radius = certifier.balls[i].1 + certifier.balls[j].1 + slack;
+            let other = certifier.balls[j].1;
+            let reach = swept + other + sweeps[count + j];
+            if least_square::<ISA>(place, &places[count + j]) > reach * reach {
+                continue;
+            }
             let bulge = (bulges[count + i] + bulges[count + j]) * squared;
-            let mut pair = Least::new();
-            take_pair::<ISA>(&mut pair, &places[count + i], &places[count + j], radius, bulge);
-            let blocked = Least::bits(&pair.sample);
+            let mut least = Least::new();
+            take_pair::<ISA>(&mut least, place, &places[count + j], own + other, bulge);
+            let blocked = Least::bits(&least.sample);
             if blocked != 0 {
                 let lane = blocked.trailing_zeros() as usize;
                 return Outcome::Blocked { lane, contact: Contact::Balls(i, j) };
             }
-            for lane in 0..LANES {
-                let bound = pair.interval[lane];
-                least.interval[lane] =
-                    if bound < least.interval[lane] { bound } else { least.interval[lane] };
-            }
+            open |= Least::bits(&least.interval);
         }
     }
-    Outcome::Open(Least::bits(&least.interval))
+    Outcome::Open(open & intervals)
 }
 
 /// Two balls against each other.
@@ -334,23 +354,68 @@ fn take_pair<const ISA: u8>(least: &mut Least, a: &Points, b: &Points, radius: f
 
 /// Places the balls of a part, unless this block has done so.
 #[inline(always)]
-fn place_balls<const ISA: u8>(
-    certifier: &Certifier,
-    frames: &[Frame],
-    places: &mut [Points],
-    placed: &mut [bool],
-    index: usize,
-) {
-    if placed[index] {
+fn place_balls<const ISA: u8>(certifier: &Certifier, work: &mut Work, index: usize, squared: f32) {
+    if work.placed[index] {
         return;
     }
-    placed[index] = true;
+    work.placed[index] = true;
     let part = &certifier.arm.parts[index];
     let count = certifier.arm.parts.len();
     for ball in part.balls.clone() {
-        let center = certifier.balls[ball].0;
-        point::<ISA>(&frames[part.slot], center, &mut places[count + ball]);
+        let (at, center) = (count + ball, certifier.balls[ball].0);
+        point::<ISA>(&work.frames[part.slot], center, &mut work.places[at]);
+        work.sweeps[at] = sweep::<ISA>(&work.places[at], &work.begins, work.bulges[at] * squared);
     }
+}
+
+/// How far a point can be from the nearest of its places in a block: its bulge, and half the longest
+/// chord of an interval.
+#[inline(always)]
+fn sweep<const ISA: u8>(place: &Points, begins: &Lane, bulge: f32) -> f32 {
+    let next = shifted_points(place);
+    let mut squares: Lane = [0.0; LANES];
+    for lane in 0..LANES {
+        let [x, y, z] = [0, 1, 2].map(|axis: usize| next[axis][lane] - place[axis][lane]);
+        squares[lane] = madd::<ISA>(x, x, madd::<ISA>(y, y, z * z)) * begins[lane];
+    }
+    bulge + 0.5 * lane_max(&squares).sqrt()
+}
+
+/// The least squared distance of two points over a block.
+#[inline(always)]
+fn least_square<const ISA: u8>(a: &Points, b: &Points) -> f32 {
+    let mut squares: Lane = [0.0; LANES];
+    for lane in 0..LANES {
+        let [x, y, z] = [0, 1, 2].map(|axis: usize| b[axis][lane] - a[axis][lane]);
+        squares[lane] = madd::<ISA>(x, x, madd::<ISA>(y, y, z * z));
+    }
+    lane_min(&squares)
+}
+
+/// The least of the lanes.
+#[inline(always)]
+fn lane_min(lanes: &Lane) -> f32 {
+    folded(lanes, |a, b| if b < a { b } else { a })
+}
+
+/// The largest of the lanes.
+#[inline(always)]
+fn lane_max(lanes: &Lane) -> f32 {
+    folded(lanes, |a, b| if b > a { b } else { a })
+}
+
+/// The lanes put together as a balanced tree.
+#[inline(always)]
+fn folded(lanes: &Lane, together: impl Fn(f32, f32) -> f32) -> f32 {
+    let mut folded = *lanes;
+    let mut width = LANES / 2;
+    while width > 0 {
+        for lane in 0..width {
+            folded[lane] = together(folded[lane], folded[lane + width]);
+        }
+        width /= 2;
+    }
+    folded[0]
 }
 
 /// The middle of the box around a block of points, and half its diagonal.
@@ -359,12 +424,7 @@ fn span(points: &Points) -> ([f32; 3], f32) {
     let mut center = [0.0; 3];
     let mut square = 0.0;
     for axis in 0..3 {
-        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-        for lane in 0..LANES {
-            let v = points[axis][lane];
-            low = if v < low { v } else { low };
-            high = if v > high { v } else { high };
-        }
+        let (low, high) = (lane_min(&points[axis]), lane_max(&points[axis]));
         center[axis] = 0.5 * (low + high);
         square += (0.5 * (high - low)).powi(2);
     }

@@ -179,6 +179,9 @@ impl Certifier {
             *delta = b - a;
         }
         let speed = self.reach.bulges(&work.delta, &mut work.turned, &mut work.bulges);
+        if !speed.is_finite() {
+            return Found::Undecided(0.0);
+        }
         work.open.clear();
         work.open.push(Interval { start: 0.0, width: 1.0 });
         for _ in 0..MOST_BLOCKS {
@@ -193,6 +196,7 @@ impl Certifier {
             let narrow = width / pieces as f64;
             let mut times = [0.0; LANES];
             let mut intervals = 0;
+            work.begins = [0.0; LANES];
             for k in 0..together {
                 let Some(open) = work.open.pop() else { break };
                 for piece in 0..=pieces {
@@ -200,6 +204,7 @@ impl Certifier {
                     let last = piece == pieces;
                     times[lane] = open.start + if last { width } else { narrow * piece as f64 };
                     intervals |= u32::from(!last) << lane;
+                    work.begins[lane] = if last { 0.0 } else { 1.0 };
                 }
             }
             let used = together * (pieces + 1);

@@ -1,0 +1,224 @@
+//! Plans the problems of a file for a robot with joints and says how many were solved and how fast.
+//!
+//! `cargo run --release -p sidestep-io --example arm_problems -- PROBLEMS.json ROBOT.urdf ROBOT.srdf [ROUNDS] [STEP] [REPEATS]`
+//!
+//! A time is the shortest of REPEATS runs, from the world to the plan: preparation of the certificate, search, short
+//! cuts. `proof` is one more certificate of the finished plan.
+
+#![allow(clippy::print_stdout, reason = "an example prints its result")]
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Instant;
+
+use serde_json::Value;
+use sidestep::arm::Arm;
+use sidestep::arm::certificate::{Certifier, Verdict};
+use sidestep::arm::rrt_connect::RrtConnect;
+use sidestep::rng::{Purpose, stream};
+use sidestep::space::{Object, Pose, Shape, World};
+use sidestep_io::robots::{read_srdf, read_urdf};
+
+type Failure = Box<dyn std::error::Error>;
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
+}
+
+fn triple(value: &Value) -> [f64; 3] {
+    let numbers = numbers(value);
+    std::array::from_fn(|k| numbers.get(k).copied().unwrap_or(f64::NAN))
+}
+
+fn world(obstacles: &Value) -> Result<World, Failure> {
+    let mut objects = Vec::new();
+    for (index, obstacle) in obstacles.as_array().into_iter().flatten().enumerate() {
+        let q = numbers(&obstacle["quaternion"]);
+        let wxyz = std::array::from_fn(|k| q.get(k).copied().unwrap_or(f64::NAN));
+        let pose = Pose::from_wxyz(wxyz, triple(&obstacle["position"]))?;
+        let number = |name: &str| obstacle[name].as_f64().unwrap_or(f64::NAN);
+        let shape = match obstacle["shape"].as_str() {
+            Some("box") => Shape::Box { half_extents: triple(&obstacle["half_extents"]) },
+            Some("cylinder") => {
+                Shape::Cylinder { radius: number("radius"), half_length: 0.5 * number("length") }
+            }
+            other => return Err(format!("shape {other:?}").into()),
+        };
+        let name = format!("{} {index}", obstacle["name"].as_str().unwrap_or("?"));
+        objects.push(Object::new(name, vec![(pose, shape)]));
+    }
+    Ok(World::new(objects)?)
+}
+
+/// The median, the 95th percentile and the largest.
+fn percentiles(values: &[f64]) -> [f64; 3] {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |p: f64| sorted.get((sorted.len().max(1) as f64 * p - 1e-9) as usize).copied();
+    [0.5, 0.95, 1.0].map(|p| at(p).or(sorted.last().copied()).unwrap_or(f64::NAN))
+}
+
+fn main() -> Result<(), Failure> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let [problems, urdf, srdf, rest @ ..] = args.as_slice() else {
+        return Err(
+            "usage: arm_problems PROBLEMS.json ROBOT.urdf ROBOT.srdf [ROUNDS] [STEP] [REPEATS]"
+                .into(),
+        );
+    };
+    let document: Value = serde_json::from_str(&std::fs::read_to_string(problems)?)?;
+    let begin = Instant::now();
+    let model = read_urdf(&std::fs::read_to_string(urdf)?)?;
+    let srdf = read_srdf(&std::fs::read_to_string(srdf)?)?;
+    let joints: Vec<&str> =
+        document["joints"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    let held: HashMap<String, f64> = document["fixed_joints"]
+        .as_object()
+        .into_iter()
+        .flatten()
+        .filter_map(|(name, value)| Some((name.clone(), value[0].as_f64()?)))
+        .filter(|(name, _)| model.joint(name).is_some())
+        .collect();
+    let known: Vec<(String, String)> = srdf
+        .disabled_pairs
+        .iter()
+        .filter(|(a, b)| model.link(a).is_some() && model.link(b).is_some())
+        .cloned()
+        .collect();
+    let arm = Arc::new(Arm::new(&model, &joints, &held)?.with_self_collisions(&known)?);
+    println!(
+        "{}: {} joints, {} balls, {} pairs of links, reach {:.2} m, ready in {:.1} ms",
+        arm.name(),
+        arm.dof(),
+        arm.ball_count(),
+        arm.self_collision_pairs().count(),
+        arm.reach(),
+        begin.elapsed().as_secs_f64() * 1e3
+    );
+    let rounds = rest.first().map_or(Ok(32), |n| n.parse())?;
+    let step = rest.get(1).map_or(Ok(1.0), |n| n.parse())?;
+    let repeats = rest.get(2).map_or(Ok(3), |n| n.parse())?;
+    let planner = RrtConnect { shortcut_rounds: rounds, step, ..RrtConnect::default() };
+    let mut sets: Vec<(String, Row)> = Vec::new();
+    let mut all = Row::default();
+    for (index, problem) in document["problems"].as_array().into_iter().flatten().enumerate() {
+        let set = problem["set"].as_str().unwrap_or("?").to_string();
+        let at = sets.iter().position(|row| row.0 == set).unwrap_or_else(|| {
+            sets.push((set, Row::default()));
+            sets.len() - 1
+        });
+        let row = solve(&arm, &planner, index, problem, repeats)?;
+        all.add(&row);
+        sets[at].1.add(&row);
+    }
+    sets.push(("all".to_string(), all));
+    println!(
+        "{:<32} {:>5} {:>7} {:>6} {:>9} {:>9} {:>9} {:>7} {:>7} {:>9} {:>9}",
+        "set",
+        "all",
+        "invalid",
+        "solved",
+        "us p50",
+        "p95",
+        "max",
+        "length",
+        "motions",
+        "proof p50",
+        "p95"
+    );
+    for (set, row) in &sets {
+        let [p50, p95, max] = percentiles(&row.times);
+        let [proof, proof95, _] = percentiles(&row.proofs);
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        println!(
+            "{set:<32} {:>5} {:>7} {:>6} {p50:>9.1} {p95:>9.1} {max:>9.1} {:>7.3} {:>7.0} {proof:>9.1} {proof95:>9.1}",
+            row.count,
+            row.invalid,
+            row.times.len(),
+            mean(&row.lengths),
+            mean(&row.motions)
+        );
+    }
+    Ok(())
+}
+
+/// What came of some problems.
+#[derive(Default)]
+struct Row {
+    count: usize,
+    invalid: usize,
+    times: Vec<f64>,
+    lengths: Vec<f64>,
+    motions: Vec<f64>,
+    proofs: Vec<f64>,
+}
+
+impl Row {
+    fn add(&mut self, other: &Self) {
+        self.count += other.count;
+        self.invalid += other.invalid;
+        self.times.extend(&other.times);
+        self.lengths.extend(&other.lengths);
+        self.motions.extend(&other.motions);
+        self.proofs.extend(&other.proofs);
+    }
+}
+
+/// Plans one problem `repeats` times and keeps the shortest time; judges the plan once more on its own.
+fn solve(
+    arm: &Arc<Arm>,
+    planner: &RrtConnect,
+    index: usize,
+    problem: &Value,
+    repeats: usize,
+) -> Result<Row, Failure> {
+    let mut row = Row { count: 1, ..Row::default() };
+    let world = Arc::new(world(&problem["obstacles"])?);
+    let (start, goal) = (numbers(&problem["start"]), numbers(&problem["goals"][0]));
+    let certifier = Certifier::new(Arc::clone(arm), Arc::clone(&world));
+    let mut work = certifier.work();
+    for (name, end) in [("start", &start), ("goal", &goal)] {
+        let allowed = arm.check(name, end).map_err(|error| println!("problem {index}: {error}"));
+        if let Verdict::Blocked(hit) = certifier.judge(end, end, &mut work) {
+            println!(
+                "problem {index}: {name}: {} in {:?} by {:.5} m",
+                hit.link, hit.with, hit.depth
+            );
+            row.invalid = 1;
+        }
+        row.invalid = row.invalid.max(usize::from(allowed.is_err()));
+    }
+    if row.invalid > 0 {
+        return Ok(row);
+    }
+    let (mut best, mut proof) = (f64::INFINITY, f64::INFINITY);
+    let mut solved = None;
+    for _ in 0..repeats {
+        let begin = Instant::now();
+        let certifier = Certifier::new(Arc::clone(arm), Arc::clone(&world));
+        let mut work = certifier.work();
+        let mut rng = stream(0, Purpose::Planner, index as u64, 0);
+        let run = planner.plan(&start, &goal, &certifier, &mut work, &mut rng);
+        best = best.min(begin.elapsed().as_secs_f64() * 1e6);
+        solved = run.path.map(|path| (path, run.checks));
+        if let Some((path, _)) = &solved {
+            let begin = Instant::now();
+            let nodes: Vec<&[f64]> = path.chunks_exact(arm.dof()).collect();
+            let free =
+                nodes.windows(2).all(|pair| certifier.motion_is_free(pair[0], pair[1], &mut work));
+            proof = proof.min(begin.elapsed().as_secs_f64() * 1e6);
+            assert!(free, "problem {index}: a plan that is not proved");
+        }
+    }
+    if let Some((path, checks)) = solved {
+        let nodes: Vec<&[f64]> = path.chunks_exact(arm.dof()).collect();
+        let square = |pair: &[&[f64]]| -> f64 {
+            pair[0].iter().zip(pair[1]).map(|(a, b)| (a - b).powi(2)).sum()
+        };
+        row.times.push(best);
+        row.proofs.push(proof);
+        row.motions.push(checks as f64);
+        row.lengths.push(nodes.windows(2).map(|pair| square(pair).sqrt()).sum());
+    }
+    Ok(row)
+}
