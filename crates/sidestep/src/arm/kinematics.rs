@@ -13,14 +13,11 @@
 
 use super::Arm;
 use super::chain::Slot;
+use super::lanes::{Lane, Points};
 use super::sincos::sin_cos;
 use crate::kernels::{LANES, madd};
 use crate::space::Pose;
 
-/// One number for each configuration of a block.
-pub(super) type Lane = [f32; LANES];
-/// A point for each: x, y, z.
-pub(super) type Points = [Lane; 3];
 /// A frame for each: the rows of `[R | t]`, one after the other.
 pub(super) type Frame = [Lane; 12];
 
@@ -74,6 +71,48 @@ impl Program {
     /// Number of frames: one for each slot and the base's.
     pub(super) fn frames(&self) -> usize {
         self.slots.len() + 1
+    }
+
+    /// Pulls forces and moments (about the origin) on the frames of slots back to the coordinates, adding to `slopes [dof]`: one sweep
+    /// from the last slot to the first, in which every slot hands on to its parent what it carries.
+    ///
+    /// With z and o a slot's axis and origin: dU/dq = z . (moment - o x force) if it turns, z . force if it slides.
+    #[inline(always)]
+    pub(super) fn pull_back<const ISA: u8>(
+        &self,
+        frames: &[Frame],
+        forces: &mut [Points],
+        moments: &mut [Points],
+        slopes: &mut [Lane],
+    ) {
+        for (index, step) in self.slots.iter().enumerate().rev() {
+            let slot = index + 1;
+            let frame = &frames[slot];
+            let slope = &mut slopes[step.coordinate];
+            for lane in 0..LANES {
+                let column = |k: usize| [frame[k][lane], frame[4 + k][lane], frame[8 + k][lane]];
+                let (z, o) = (column(2), column(3));
+                let [force, moment] =
+                    [&forces[slot], &moments[slot]].map(|p| [p[0][lane], p[1][lane], p[2][lane]]);
+                let turn = [
+                    moment[0] - (o[1] * force[2] - o[2] * force[1]),
+                    moment[1] - (o[2] * force[0] - o[0] * force[2]),
+                    moment[2] - (o[0] * force[1] - o[1] * force[0]),
+                ];
+                let v = if step.prismatic { force } else { turn };
+                let along = madd::<ISA>(z[0], v[0], madd::<ISA>(z[1], v[1], z[2] * v[2]));
+                slope[lane] = madd::<ISA>(step.multiplier, along, slope[lane]);
+            }
+            for carried in [&mut *forces, &mut *moments] {
+                let (before, after) = carried.split_at_mut(slot);
+                let (parent, own) = (&mut before[step.parent], &after[0]);
+                for axis in 0..3 {
+                    for lane in 0..LANES {
+                        parent[axis][lane] += own[axis][lane];
+                    }
+                }
+            }
+        }
     }
 
     /// The frames of all slots, the base's first, at the configurations `q[coordinate][lane]`.

@@ -8,17 +8,22 @@
 
 pub mod certificate;
 mod chain;
+mod costs;
 mod kinematics;
+mod lanes;
 mod model;
 mod reach;
 mod robot;
-pub mod rrt_connect;
+mod scene;
 mod sincos;
 mod spheres;
 
 pub use model::{Body, BodyShape, Joint, JointKind, Limits, Link, MAX_LINKS, Mimic, Model};
 pub use robot::{Arm, ArmJoint, MAX_DOF};
+pub use scene::ArmScene;
 pub use spheres::Ball;
 
+#[cfg(test)]
+mod scene_tests;
 #[cfg(test)]
 mod tests;

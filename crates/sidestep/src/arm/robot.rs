@@ -38,6 +38,8 @@ pub struct Arm {
     pub(super) balls: Vec<Ball>,
     /// Pairs of parts that must not touch each other, by number.
     pub(super) pairs: Vec<[usize; 2]>,
+    /// What the body keeps away from the world, metres.
+    margin: f64,
 }
 
 impl Arm {
@@ -78,6 +80,7 @@ impl Arm {
             parts,
             balls,
             pairs: Vec::new(),
+            margin: 0.0,
         })
     }
 
@@ -115,6 +118,33 @@ impl Arm {
         let checked = all.filter(|pair| !free.contains(pair));
         self.pairs = checked.filter(|&[a, b]| self.parts[a].slot != self.parts[b].slot).collect();
         Ok(self)
+    }
+
+    /// The same robot, which keeps `margin` metres away from everything in the world (not from itself).
+    ///
+    /// # Errors
+    /// If the margin is negative or above 10 m.
+    pub fn with_margin(mut self, margin: f64) -> Result<Self, InvalidInput> {
+        if !(0.0..=10.0).contains(&margin) {
+            return Err(InvalidInput::new("margin", margin, "a number from 0 to 10, in metres"));
+        }
+        self.margin = margin;
+        Ok(self)
+    }
+
+    /// What the body keeps away from the world, in metres.
+    pub fn margin(&self) -> f64 {
+        self.margin
+    }
+
+    /// The number of a link in the model; 0, the root's or the first's, if there is none of that name.
+    pub(super) fn link_index(&self, name: &str) -> usize {
+        self.link_names.iter().position(|link| link == name).unwrap_or(0)
+    }
+
+    /// The name of a link by its number in the model.
+    pub fn link_name(&self, link: usize) -> Option<&str> {
+        self.link_names.get(link).map(String::as_str)
     }
 
     /// The robot's name.

@@ -7,7 +7,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::certificate::{Certifier, Verdict};
-use super::kinematics::{Lane, Program, point};
+use super::kinematics::{Program, point};
+use super::lanes::Lane;
 use super::reach::Reach;
 use super::*;
 use crate::kernels::{Isa, LANES, dispatch};
@@ -67,11 +68,11 @@ fn model(rng: &mut ChaCha8Rng) -> Model {
     Model::new("random", links, joints).unwrap()
 }
 
-fn arm(rng: &mut ChaCha8Rng) -> Arm {
+pub(super) fn arm(rng: &mut ChaCha8Rng) -> Arm {
     Arm::new(&model(rng), &[], &HashMap::new()).unwrap()
 }
 
-fn configuration(arm: &Arm, rng: &mut ChaCha8Rng) -> Vec<f64> {
+pub(super) fn configuration(arm: &Arm, rng: &mut ChaCha8Rng) -> Vec<f64> {
     arm.joints().iter().map(|joint| uniform(rng, joint.lower, joint.upper)).collect()
 }
 
@@ -79,7 +80,7 @@ fn between(a: &[f64], b: &[f64], t: f64) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + t * (b - a)).collect()
 }
 
-fn rng(index: u64) -> ChaCha8Rng {
+pub(super) fn rng(index: u64) -> ChaCha8Rng {
     stream(77, Purpose::Task, index, 0)
 }
 
@@ -168,7 +169,7 @@ fn balls_leave_their_chords_by_no_more_than_their_bulge() {
 }
 
 /// A world of up to twelve boxes, balls, cylinders and capsules around the robot.
-fn world(rng: &mut ChaCha8Rng) -> World {
+pub(super) fn world(rng: &mut ChaCha8Rng) -> World {
     let count = rng.random_range(0..12);
     let objects = (0..count).map(|index| {
         let radius = uniform(rng, 0.02, 0.25);

@@ -13,11 +13,14 @@
 //!
 //! So every task is answered that the exact search decides in the time that there is, and no plan is longer than
 //! [`LONGEST`] times the shortest. Where the search does not decide, the thorough optimizer from random starts follows.
+//!
+//! For robots with joints there is no exact path: `jointed` goes on after the straight line.
 
 use crate::error::InvalidInput;
 use crate::optimizer::Method;
 use crate::plan::answer::{Origin, Plan, Status};
 use crate::plan::exact::shortest;
+use crate::plan::jointed;
 use crate::plan::optimize::optimize;
 use crate::plan::options::{Options, Stop, Watch};
 use crate::plan::rrt_connect::{RrtConnect, tree};
@@ -75,6 +78,9 @@ impl Auto {
         {
             let waypoints = options.waypoints.unwrap_or(query.scene().profile().waypoints);
             return Ok(Plan::straight(query, waypoints));
+        }
+        if query.scene().arm().is_some() {
+            return jointed::plan(query, options, watch);
         }
         let is_short = |plan: &Plan, shortest: f64| {
             plan.certified().is_some_and(|path| path.length() <= LONGEST * shortest)

@@ -8,6 +8,7 @@
 mod answer;
 mod auto;
 mod exact;
+mod jointed;
 mod optimize;
 mod options;
 pub(crate) mod parallel;

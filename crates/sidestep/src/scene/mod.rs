@@ -19,6 +19,7 @@ mod task;
 pub use query::{Query, Refused};
 pub use task::{PlaneTask, Setting, Task};
 
+use crate::arm::ArmScene;
 use crate::kernels::Block;
 use crate::plane::shortest_path::{Doubt, Route};
 use crate::plane::{PlaneScene, points};
@@ -31,6 +32,8 @@ use crate::trajectory::{Trajectory, Violation};
 pub enum Scene {
     /// A point or disc in the plane.
     Plane(PlaneScene),
+    /// A robot with joints in space.
+    Arm(ArmScene),
 }
 
 /// A trajectory that is certified free of collision from its task's start to its goal. Only [`Query::certify`] makes one.
@@ -54,6 +57,7 @@ impl Scene {
     pub fn new(setting: &Setting, profile: &Profile) -> Self {
         match setting {
             Setting::Plane { world, robot } => Self::Plane(PlaneScene::new(world, *robot, profile)),
+            Setting::Arm { arm, world } => Self::Arm(ArmScene::new(arm, world, profile)),
         }
     }
 
@@ -66,6 +70,15 @@ impl Scene {
     pub fn plane(&self) -> Option<&PlaneScene> {
         match self {
             Self::Plane(plane) => Some(plane),
+            Self::Arm(_) => None,
+        }
+    }
+
+    /// The scene of a robot with joints, where it is one.
+    pub fn arm(&self) -> Option<&ArmScene> {
+        match self {
+            Self::Plane(_) => None,
+            Self::Arm(arm) => Some(arm),
         }
     }
 
@@ -75,6 +88,11 @@ impl Scene {
             (Self::Plane(plane), Setting::Plane { world, robot }) => {
                 std::sync::Arc::ptr_eq(plane.world(), world) && plane.robot() == *robot
             }
+            (Self::Arm(scene), Setting::Arm { arm, world }) => {
+                std::sync::Arc::ptr_eq(scene.world(), world)
+                    && std::sync::Arc::ptr_eq(scene.arm(), arm)
+            }
+            _ => false,
         }
     }
 
@@ -87,6 +105,7 @@ impl Scene {
     pub fn profile(&self) -> &Profile {
         match self {
             Self::Plane(plane) => plane.profile(),
+            Self::Arm(arm) => arm.profile(),
         }
     }
 
@@ -94,6 +113,7 @@ impl Scene {
     pub fn limits(&self) -> &[[f64; 2]] {
         match self {
             Self::Plane(plane) => plane.limits(),
+            Self::Arm(arm) => arm.limits(),
         }
     }
 
@@ -101,6 +121,7 @@ impl Scene {
     pub fn normalised_limits(&self) -> &[[f32; 2]] {
         match self {
             Self::Plane(plane) => plane.normalised_limits(),
+            Self::Arm(arm) => arm.normalised_limits(),
         }
     }
 
@@ -108,6 +129,7 @@ impl Scene {
     pub fn to_normalised(&self, from: &[f64], to: &mut [f32]) {
         match self {
             Self::Plane(plane) => plane.frame().block_to_normalised(from, to),
+            Self::Arm(arm) => arm.to_normalised(from, to),
         }
     }
 
@@ -115,6 +137,7 @@ impl Scene {
     pub fn to_task(&self, from: &[f32], to: &mut [f64]) {
         match self {
             Self::Plane(plane) => plane.frame().block_to_task(from, to),
+            Self::Arm(arm) => arm.to_task(from, to),
         }
     }
 
@@ -122,6 +145,7 @@ impl Scene {
     pub fn normalised_length(&self, trajectory: &Trajectory) -> f64 {
         match self {
             Self::Plane(plane) => trajectory.length() / plane.frame().scale,
+            Self::Arm(_) => trajectory.length(),
         }
     }
 
@@ -129,6 +153,7 @@ impl Scene {
     pub fn epsilon(&self) -> f64 {
         match self {
             Self::Plane(plane) => plane.epsilon(),
+            Self::Arm(arm) => arm.epsilon(),
         }
     }
 
@@ -136,6 +161,7 @@ impl Scene {
     pub fn typical_clearance(&self) -> f64 {
         match self {
             Self::Plane(plane) => plane.typical_clearance(),
+            Self::Arm(arm) => arm.typical_clearance(),
         }
     }
 
@@ -144,6 +170,7 @@ impl Scene {
     pub fn prepare_costs(&self, go_on: &(dyn Fn() -> bool + Sync)) -> bool {
         match self {
             Self::Plane(plane) => plane.prepare_field(go_on),
+            Self::Arm(_) => true,
         }
     }
 
@@ -158,6 +185,7 @@ impl Scene {
     ) {
         match self {
             Self::Plane(plane) => plane.cost_and_slope(block, epsilon, factor, slopes),
+            Self::Arm(arm) => arm.cost_and_slope(block, epsilon, factor, slopes),
         }
     }
 
@@ -169,6 +197,7 @@ impl Scene {
                 let check = plane.sampled_check()?;
                 Some(check.is_feasible([start[0], start[1]], x, [goal[0], goal[1]]))
             }
+            Self::Arm(_) => None,
         }
     }
 
@@ -176,6 +205,7 @@ impl Scene {
     pub fn feasible_means_certified(&self) -> bool {
         match self {
             Self::Plane(plane) => plane.sampled_check().is_none(),
+            Self::Arm(_) => true,
         }
     }
 
@@ -187,6 +217,7 @@ impl Scene {
             Self::Plane(plane) => {
                 plane.certifier().segment_is_free([from[0], from[1]], [to[0], to[1]])
             }
+            Self::Arm(arm) => arm.motion_is_free(from, to),
         }
     }
 
@@ -204,6 +235,7 @@ impl Scene {
             Self::Plane(plane) => {
                 plane.path_is_free([start[0], start[1]], x, [goal[0], goal[1]], free)
             }
+            Self::Arm(arm) => arm.path_is_free(start, x, goal, free),
         }
     }
 
@@ -221,13 +253,16 @@ impl Scene {
     pub fn check(&self, trajectory: &Trajectory) -> Result<(), Violation> {
         match self {
             Self::Plane(plane) => plane.certifier().check(trajectory),
+            Self::Arm(arm) => arm.check(trajectory),
         }
     }
 
-    /// The smallest distance between the swept robot and anything else, in task units.
+    /// The smallest distance between the swept robot and anything else, in task units; of a robot with joints that at its
+    /// waypoints, in metres.
     pub fn clearance(&self, trajectory: &Trajectory) -> f64 {
         match self {
             Self::Plane(plane) => plane.certifier().clearance(trajectory),
+            Self::Arm(arm) => arm.clearance(trajectory),
         }
     }
 
@@ -242,6 +277,7 @@ impl Scene {
                     None => Route::Undecided(Doubt::BrokenOff),
                 })
             }
+            Self::Arm(_) => None,
         }
     }
 }

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use crate::arm::Arm;
 use crate::error::{InvalidInput, finite, finite_point};
 use crate::plane::Robot;
 use crate::plane::geometry::Point;
 use crate::plane::world::World;
+use crate::space;
 
 /// Which robot moves, and among what. Shared, so that many queries on one map cost one map.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +20,13 @@ pub enum Setting {
         /// The body that moves.
         robot: Robot,
     },
+    /// A robot with joints; its configuration has a number for each joint that moves, in rad or m.
+    Arm {
+        /// The robot.
+        arm: Arc<Arm>,
+        /// What it moves in, in the frame of its root link.
+        world: Arc<space::World>,
+    },
 }
 
 impl Setting {
@@ -25,6 +34,7 @@ impl Setting {
     pub fn dof(&self) -> usize {
         match self {
             Self::Plane { .. } => 2,
+            Self::Arm { arm, .. } => arm.dof(),
         }
     }
 
@@ -34,6 +44,10 @@ impl Setting {
             (Self::Plane { world: a, robot: p }, Self::Plane { world: b, robot: q }) => {
                 Arc::ptr_eq(a, b) && p == q
             }
+            (Self::Arm { world: a, arm: p }, Self::Arm { world: b, arm: q }) => {
+                Arc::ptr_eq(a, b) && Arc::ptr_eq(p, q)
+            }
+            _ => false,
         }
     }
 }
@@ -123,6 +137,11 @@ impl Task {
                 }
                 let robot = Robot::disc(robot.radius() + margin)?;
                 let setting = Setting::Plane { world: world.clone(), robot };
+                Ok(Self { setting, ..self.clone() })
+            }
+            Setting::Arm { arm, world } => {
+                let arm = Arc::new(Arm::clone(arm).with_margin(margin)?);
+                let setting = Setting::Arm { arm, world: world.clone() };
                 Ok(Self { setting, ..self.clone() })
             }
         }

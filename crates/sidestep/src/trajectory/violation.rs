@@ -13,6 +13,20 @@ pub enum ObstacleId {
         /// Row, from the bottom.
         row: usize,
     },
+    /// An object of a world in space, met by a link of a robot with joints.
+    Object {
+        /// The link's number in the robot's model.
+        link: usize,
+        /// The object's index in the world.
+        object: usize,
+    },
+    /// Another link of the same robot.
+    Link {
+        /// The link's number in the robot's model.
+        link: usize,
+        /// The other's.
+        other: usize,
+    },
 }
 
 impl std::fmt::Display for ObstacleId {
@@ -20,6 +34,8 @@ impl std::fmt::Display for ObstacleId {
         match self {
             Self::Shape(index) => write!(f, "obstacle {index}"),
             Self::Cell { column, row } => write!(f, "the grid cell in column {column}, row {row}"),
+            Self::Object { link, object } => write!(f, "object {object} (link {link})"),
+            Self::Link { link, other } => write!(f, "itself (links {link} and {other})"),
         }
     }
 }
@@ -100,5 +116,19 @@ pub enum Violation {
         segment: usize,
         /// What is touched.
         obstacle: ObstacleId,
+    },
+    /// A joint leaves its limits.
+    #[error("coordinate {coordinate} of point {point} of the trajectory is outside its limits")]
+    OutOfLimits {
+        /// Index of the point.
+        point: usize,
+        /// Index of the coordinate.
+        coordinate: usize,
+    },
+    /// Neither free nor in collision as far as the certificate can tell: all but touching.
+    #[error("segment {segment} of the trajectory all but touches something")]
+    Undecided {
+        /// Index of the segment.
+        segment: usize,
     },
 }

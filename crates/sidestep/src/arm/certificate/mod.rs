@@ -38,16 +38,16 @@ const MOST_BLOCKS: usize = 4096;
 /// An arm in a world, ready to judge motions.
 #[derive(Debug, Clone)]
 pub struct Certifier {
-    arm: Arc<Arm>,
-    world: Arc<World>,
-    program: Program,
+    pub(super) arm: Arc<Arm>,
+    pub(super) world: Arc<World>,
+    pub(super) program: Program,
     reach: Reach,
     /// Centre and radius of the ball around each part, f32.
-    around: Vec<([f32; 3], f32)>,
+    pub(super) around: Vec<([f32; 3], f32)>,
     /// Centre and radius of each ball, f32; radii rounded up.
-    balls: Vec<([f32; 3], f32)>,
+    pub(super) balls: Vec<([f32; 3], f32)>,
     /// The first part that moves.
-    first_moving: usize,
+    pub(super) first_moving: usize,
     /// For each piece of the world what is added to every radius.
     slack: Vec<f32>,
     most_slack: f64,
@@ -67,8 +67,8 @@ pub struct Hit {
     pub t: f64,
     /// The configuration there.
     pub configuration: Vec<f64>,
-    /// How deep the two are in each other there, in metres, f64; below zero by less than the certificate's
-    /// slack where they all but touch.
+    /// How deep the two are in each other there, in metres, f64; below zero by less than the arm's margin and the
+    /// certificate's slack where they are only too near.
     pub depth: f64,
 }
 
@@ -113,7 +113,8 @@ impl Certifier {
         let program = Program::new(&arm);
         let reach = arm.reach();
         let own = program.rounding + 32.0 * U * reach;
-        let slack = |piece: usize| 2.0 * own + world.block_error(piece as u32, reach);
+        let margin = arm.margin();
+        let slack = |piece: usize| margin + 2.0 * own + world.block_error(piece as u32, reach);
         let slack: Vec<f32> = (0..world.pieces()).map(|piece| up(slack(piece))).collect();
         let narrow = |center: [f64; 3], radius: f64| (center.map(|v| v as f32), up(radius));
         let mut certifier = Self {
@@ -254,10 +255,11 @@ impl Certifier {
         let mut near = Vec::new();
         for part in &self.arm.parts[..self.first_moving] {
             for ball in &self.arm.balls[part.balls.clone()] {
-                self.world.near(ball.center, ball.radius, &mut near);
+                let radius = ball.radius + self.arm.margin();
+                self.world.near(ball.center, radius, &mut near);
                 for &piece in &near {
                     let (distance, _) = self.world.distance(piece, ball.center);
-                    if distance <= ball.radius {
+                    if distance <= radius {
                         let with = Met::Object(self.world.name_of(piece).to_string());
                         let depth = ball.radius - distance;
                         let link = part.name.clone();

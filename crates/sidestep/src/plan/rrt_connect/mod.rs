@@ -7,6 +7,7 @@
 //! is first tried in one piece, however long; and the smaller tree goes first, instead of the two
 //! in turns, so that neither starves in a narrow pocket.
 
+mod lanes;
 mod shortcut;
 mod tree;
 

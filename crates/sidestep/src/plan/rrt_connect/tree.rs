@@ -1,5 +1,8 @@
 //! A tree of configurations with its nearest-neighbour search: all nodes while they are few, then buckets over the first
-//! two coordinates, searched ring by ring. Two configurations are at least as far apart as in these two.
+//! two coordinates, searched ring by ring. Two configurations are at least as far apart as in these two. With more than two
+//! coordinates `lanes` does it.
+
+use super::lanes::Lanes;
 
 /// Up to this many nodes, all are compared.
 const MOST_WITHOUT_BUCKETS: usize = 256;
@@ -15,6 +18,8 @@ pub(super) struct Tree {
     /// `[nodes x dof]`.
     points: Vec<f64>,
     parents: Vec<u32>,
+    /// The same points for the search, where they have more than two coordinates.
+    lanes: Option<Lanes>,
     /// Least value of the first two coordinates, and sides of a bucket; a lone coordinate counts twice.
     least: [f64; 2],
     sides: [f64; 2],
@@ -34,6 +39,7 @@ impl Tree {
             dof: root.len(),
             points,
             parents: vec![0],
+            lanes: (root.len() > 2).then(|| Lanes::new(root)),
             least: axes.map(|[least, _]| least),
             sides: axes.map(|[least, most]| (most - least) / PER_AXIS as f64),
             heads: Vec::new(),
@@ -56,7 +62,9 @@ impl Tree {
         let node = self.len();
         self.points.extend_from_slice(point);
         self.parents.push(parent as u32);
-        if node == MOST_WITHOUT_BUCKETS {
+        if let Some(lanes) = &mut self.lanes {
+            lanes.push(point);
+        } else if node == MOST_WITHOUT_BUCKETS {
             self.heads = vec![NONE; PER_AXIS * PER_AXIS];
             (0..=node).for_each(|node| self.file(node));
         } else if node > MOST_WITHOUT_BUCKETS {
@@ -82,6 +90,9 @@ impl Tree {
 
     /// The node nearest to `target [dof]`; of equally near ones any, but always the same.
     pub(super) fn nearest(&self, target: &[f64]) -> usize {
+        if let Some(lanes) = &self.lanes {
+            return lanes.nearest(target);
+        }
         if self.heads.is_empty() {
             return self.nearest_of_all(target);
         }

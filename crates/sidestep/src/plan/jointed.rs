@@ -1,0 +1,68 @@
+//! The planner `auto` for robots with joints, where no search is exact: the straight line, a few steps of L-BFGS from it, and
+//! RRT-Connect; short cuts on what is found.
+//!
+//! Nothing is promised about the length, and a failure proves nothing. Where the best plan is asked for, as many ways are
+//! looked for as there are starts (trees go the wrong way round as often as not), and the shortest is the answer.
+
+use crate::error::InvalidInput;
+use crate::optimizer::Method;
+use crate::plan::answer::{Origin, Plan, Reason, Status};
+use crate::plan::optimize::optimize;
+use crate::plan::options::{Options, Stop, Watch};
+use crate::plan::rrt_connect::{RrtConnect, RrtRun, shortcut};
+use crate::rng::{Purpose, stream};
+use crate::scene::Query;
+
+/// Steps of L-BFGS: it is through after a few, or hardly ever.
+const STEPS: usize = 12;
+/// Pairs that L-BFGS remembers.
+const MEMORY: usize = 7;
+/// Random short cuts on a path.
+const SHORT_CUTS: usize = 32;
+
+/// Plans where the straight line is not free.
+pub(super) fn plan(
+    query: &Query,
+    options: &Options,
+    watch: Watch<'_>,
+) -> Result<Plan, InvalidInput> {
+    let method = Method::Lbfgs { memory: MEMORY };
+    let few = Options { steps: options.steps.min(STEPS), starts: 1, ..options.clone() };
+    let optimized = optimize(query, &method, &few, watch)?;
+    let mut best = None;
+    if let Some(found) = optimized.certified() {
+        let mut path = found.clone();
+        let mut rng = stream(options.seed, Purpose::Planner, options.index, 0);
+        let is_free = |from: &[f64], to: &[f64]| query.scene().motion_is_free(from, to);
+        shortcut(&mut path, is_free, SHORT_CUTS, &mut rng);
+        best = Some(Plan::of(query, path, optimized.steps, optimized.origin));
+    }
+    let trees = match (options.stop, best.is_some()) {
+        (Stop::First, true) => 0,
+        (Stop::First, false) => 1,
+        (Stop::Best, _) => options.starts,
+    };
+    let planner = RrtConnect { shortcut_rounds: SHORT_CUTS, ..RrtConnect::default() };
+    let mut spent = 0;
+    for run in 0..trees {
+        if run > 0 && !(watch.go_on)() {
+            break;
+        }
+        let mut rng = stream(options.seed, Purpose::Planner, options.index, 1 + run as u64);
+        let RrtRun { trajectory, samples, .. } = planner.plan(query, &mut rng);
+        spent += samples;
+        let Some(path) = trajectory else { continue };
+        let length = |plan: &Plan| plan.certified().map_or(f64::INFINITY, |path| path.length());
+        if best.as_ref().is_none_or(|best| path.length() < length(best)) {
+            best = Some(Plan::of(query, path, optimized.steps, Origin::Tree));
+        }
+    }
+    Ok(best.unwrap_or_else(|| {
+        let status = Status::Unsolved(Reason::SamplesSpent { samples: spent });
+        Plan {
+            attempt: optimized.attempt,
+            steps: optimized.steps,
+            ..Plan::none(status, Origin::Tree)
+        }
+    }))
+}
