@@ -1,9 +1,9 @@
 //! Plans the problems of a file for a robot with joints and says how many were solved and how fast.
 //!
-//! `cargo run --release -p sidestep-io --example arm_problems -- PROBLEMS.json ROBOT.urdf ROBOT.srdf [ROUNDS] [STEP] [REPEATS]`
+//! `cargo run --release -p sidestep-io --example arm_problems -- PROBLEMS.json ROBOT.urdf ROBOT.srdf [PLANNER] [REPEATS]`
 //!
-//! A time is the shortest of REPEATS runs, from the world to the plan: preparation of the certificate, search, short
-//! cuts. `proof` is one more certificate of the finished plan.
+//! A time is the shortest of REPEATS runs, from world and robot to the plan: preparation of the scene, search, short cuts.
+//! `proof` is one more certificate of the finished plan.
 
 #![allow(clippy::print_stdout, reason = "an example prints its result")]
 
@@ -14,8 +14,9 @@ use std::time::Instant;
 use serde_json::Value;
 use sidestep::arm::Arm;
 use sidestep::arm::certificate::{Certifier, Verdict};
-use sidestep::arm::rrt_connect::RrtConnect;
-use sidestep::rng::{Purpose, stream};
+use sidestep::plan::planner_name::parse_planner;
+use sidestep::plan::{Options, Planner, plan};
+use sidestep::scene::{Setting, Task};
 use sidestep::space::{Object, Pose, Shape, World};
 use sidestep_io::robots::{read_srdf, read_urdf};
 
@@ -95,10 +96,11 @@ fn main() -> Result<(), Failure> {
         arm.reach(),
         begin.elapsed().as_secs_f64() * 1e3
     );
-    let rounds = rest.first().map_or(Ok(32), |n| n.parse())?;
-    let step = rest.get(1).map_or(Ok(1.0), |n| n.parse())?;
-    let repeats = rest.get(2).map_or(Ok(3), |n| n.parse())?;
-    let planner = RrtConnect { shortcut_rounds: rounds, step, ..RrtConnect::default() };
+    let name = rest.first().map_or("auto", String::as_str);
+    let planner = parse_planner(name, &mut |path| {
+        Err(sidestep::InvalidInput::new("planner", path, "a planner without a file"))
+    })?;
+    let repeats = rest.get(1).map_or(Ok(3), |n| n.parse())?;
     let mut sets: Vec<(String, Row)> = Vec::new();
     let mut all = Row::default();
     for (index, problem) in document["problems"].as_array().into_iter().flatten().enumerate() {
@@ -122,7 +124,7 @@ fn main() -> Result<(), Failure> {
         "p95",
         "max",
         "length",
-        "motions",
+        "points",
         "proof p50",
         "p95"
     );
@@ -131,12 +133,12 @@ fn main() -> Result<(), Failure> {
         let [proof, proof95, _] = percentiles(&row.proofs);
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         println!(
-            "{set:<32} {:>5} {:>7} {:>6} {p50:>9.1} {p95:>9.1} {max:>9.1} {:>7.3} {:>7.0} {proof:>9.1} {proof95:>9.1}",
+            "{set:<32} {:>5} {:>7} {:>6} {p50:>9.1} {p95:>9.1} {max:>9.1} {:>7.3} {:>7.1} {proof:>9.1} {proof95:>9.1}",
             row.count,
             row.invalid,
             row.times.len(),
             mean(&row.lengths),
-            mean(&row.motions)
+            mean(&row.points)
         );
     }
     Ok(())
@@ -149,7 +151,7 @@ struct Row {
     invalid: usize,
     times: Vec<f64>,
     lengths: Vec<f64>,
-    motions: Vec<f64>,
+    points: Vec<f64>,
     proofs: Vec<f64>,
 }
 
@@ -159,7 +161,7 @@ impl Row {
         self.invalid += other.invalid;
         self.times.extend(&other.times);
         self.lengths.extend(&other.lengths);
-        self.motions.extend(&other.motions);
+        self.points.extend(&other.points);
         self.proofs.extend(&other.proofs);
     }
 }
@@ -167,7 +169,7 @@ impl Row {
 /// Plans one problem `repeats` times and keeps the shortest time; judges the plan once more on its own.
 fn solve(
     arm: &Arc<Arm>,
-    planner: &RrtConnect,
+    planner: &Planner,
     index: usize,
     problem: &Value,
     repeats: usize,
@@ -191,34 +193,28 @@ fn solve(
     if row.invalid > 0 {
         return Ok(row);
     }
+    let setting = Setting::Arm { arm: Arc::clone(arm), world: Arc::clone(&world) };
+    let task = Task::new(format!("{index}"), setting, start, goal)?;
+    let options = Options { index: index as u64, ..Options::default() };
     let (mut best, mut proof) = (f64::INFINITY, f64::INFINITY);
     let mut solved = None;
     for _ in 0..repeats {
         let begin = Instant::now();
-        let certifier = Certifier::new(Arc::clone(arm), Arc::clone(&world));
-        let mut work = certifier.work();
-        let mut rng = stream(0, Purpose::Planner, index as u64, 0);
-        let run = planner.plan(&start, &goal, &certifier, &mut work, &mut rng);
+        let plan = plan(&task, planner, &options)?;
         best = best.min(begin.elapsed().as_secs_f64() * 1e6);
-        solved = run.path.map(|path| (path, run.checks));
-        if let Some((path, _)) = &solved {
-            let begin = Instant::now();
-            let nodes: Vec<&[f64]> = path.chunks_exact(arm.dof()).collect();
-            let free =
-                nodes.windows(2).all(|pair| certifier.motion_is_free(pair[0], pair[1], &mut work));
-            proof = proof.min(begin.elapsed().as_secs_f64() * 1e6);
-            assert!(free, "problem {index}: a plan that is not proved");
-        }
+        let Some(path) = plan.certified().cloned() else { continue };
+        let begin = Instant::now();
+        let mut segments = path.segments();
+        let free = segments.all(|(from, to)| certifier.motion_is_free(from, to, &mut work));
+        proof = proof.min(begin.elapsed().as_secs_f64() * 1e6);
+        assert!(free, "problem {index}: a plan that is not proved");
+        solved = Some(path);
     }
-    if let Some((path, checks)) = solved {
-        let nodes: Vec<&[f64]> = path.chunks_exact(arm.dof()).collect();
-        let square = |pair: &[&[f64]]| -> f64 {
-            pair[0].iter().zip(pair[1]).map(|(a, b)| (a - b).powi(2)).sum()
-        };
+    if let Some(path) = solved {
         row.times.push(best);
         row.proofs.push(proof);
-        row.motions.push(checks as f64);
-        row.lengths.push(nodes.windows(2).map(|pair| square(pair).sqrt()).sum());
+        row.lengths.push(path.length());
+        row.points.push(path.len() as f64);
     }
     Ok(row)
 }

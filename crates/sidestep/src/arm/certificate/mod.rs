@@ -67,8 +67,8 @@ pub struct Hit {
     pub t: f64,
     /// The configuration there.
     pub configuration: Vec<f64>,
-    /// How deep the two are in each other there, in metres, f64; below zero by less than the arm's margin and the
-    /// certificate's slack where they are only too near.
+    /// How deep the two are in each other there, in metres, f64; below zero by less than the arm's margin where an object
+    /// is only nearer than that.
     pub depth: f64,
 }
 
@@ -166,7 +166,15 @@ impl Certifier {
         match self.search(from, to, work) {
             Found::Free => Verdict::Free,
             Found::Undecided(t) => Verdict::Undecided(t),
-            Found::Blocked(t, contact) => Verdict::Blocked(self.hit(from, to, t, contact)),
+            Found::Blocked(t, contact) => {
+                let hit = self.hit(from, to, t, contact);
+                let apart = match contact {
+                    Contact::Piece { .. } => self.arm.margin(),
+                    Contact::Balls(..) => 0.0,
+                };
+                // In f32 and with the slack it was not clear; in f64 it may be, by a hair.
+                if hit.depth > -apart { Verdict::Blocked(hit) } else { Verdict::Undecided(t) }
+            }
         }
     }
 
