@@ -14,10 +14,8 @@ use std::time::Instant;
 use serde_json::Value;
 use sidestep::arm::Arm;
 use sidestep::arm::certificate::{Certifier, Verdict};
-use sidestep::plan::planner_name::parse_planner;
-use sidestep::plan::{Options, Planner, plan};
-use sidestep::scene::{Setting, Task};
 use sidestep::space::{Object, Pose, Shape, World};
+use sidestep::{Options, Planner, Setting, Task, plan};
 use sidestep_io::robots::{read_srdf, read_urdf};
 
 type Failure = Box<dyn std::error::Error>;
@@ -97,9 +95,7 @@ fn main() -> Result<(), Failure> {
         begin.elapsed().as_secs_f64() * 1e3
     );
     let name = rest.first().map_or("auto", String::as_str);
-    let planner = parse_planner(name, &mut |path| {
-        Err(sidestep::InvalidInput::new("planner", path, "a planner without a file"))
-    })?;
+    let planner: Planner = name.parse()?;
     let repeats = rest.get(1).map_or(Ok(3), |n| n.parse())?;
     let mut sets: Vec<(String, Row)> = Vec::new();
     let mut all = Row::default();

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use super::tests::{arm, configuration, rng, world};
 use super::*;
 use crate::kernels::Block;
-use crate::plan::planner_name::parse_planner;
 use crate::plan::{Options, Planner, Status, plan};
 use crate::profile::Profile;
 use crate::scene::{Setting, Task};
@@ -143,7 +142,7 @@ fn every_planner_answers_with_proved_plans() {
     let task = Task::new("", setting, vec![-0.9, 0.0, 0.0], vec![0.9, 0.0, 0.0]).unwrap();
     let mut solved = Vec::new();
     for name in ["gd", "momentum", "adam", "chomp", "lbfgs", "stomp", "rrt-connect", "auto"] {
-        let planner = parse_planner(name, &mut |_| unreachable!()).unwrap();
+        let planner: Planner = name.parse().unwrap();
         let options = Options { starts: 3, ..Options::default() };
         let plan = plan(&task, &planner, &options).unwrap();
         if let Some(path) = plan.certified() {
