@@ -6,12 +6,14 @@
 pub mod benchmarks;
 mod error;
 pub mod input;
+pub mod joint_trajectory;
 mod json;
 pub mod movingai;
 pub mod picture;
 pub mod plan_json;
 pub mod robots;
 pub mod ros_map;
+pub mod scenes;
 pub mod task_json;
 
 use std::sync::Arc;

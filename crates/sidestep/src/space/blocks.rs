@@ -33,20 +33,22 @@ impl Frame32 {
 }
 
 /// A triangle in f32, in its shape's frame.
-#[derive(Debug, Clone, Copy)]
-struct Triangle32 {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Triangle32 {
     corners: [[f32; 3]; 3],
     normal: [f32; 3],
     along: [[f32; 3]; 3],
     inverse_square: [f32; 3],
     outward: [[f32; 3]; 3],
+    /// Infinite for a triangle without a normal, else zero.
+    never_above: f32,
 }
 
 impl Triangle32 {
-    fn new(triangle: &Triangle) -> Self {
+    pub(super) fn new(triangle: &Triangle) -> Self {
         Self {
             corners: triangle.corners.map(narrow),
-            normal: narrow(triangle.normal),
+            normal: narrow(if triangle.is_thin() { [0.0, 0.0, 1.0] } else { triangle.normal }),
             along: triangle.edges.map(|edge| narrow(edge.along)),
             // Sides shorter than 1e-19 m count as points: their square is no f32.
             inverse_square: triangle.edges.map(|edge| {
@@ -54,6 +56,7 @@ impl Triangle32 {
                 if narrow.is_finite() { narrow } else { 0.0 }
             }),
             outward: triangle.edges.map(|edge| narrow(edge.outward)),
+            never_above: if triangle.is_thin() { f32::INFINITY } else { 0.0 },
         }
     }
 }
@@ -92,7 +95,7 @@ pub(super) fn distances(
             let triangle = Triangle32::new(&Triangle::new(mesh.corners(piece)));
             triangles(isa, frame, &triangle, blocks);
         }
-        Shape::Hull(hull) => hulls(isa, frame, hull.triangles(), blocks),
+        Shape::Hull(hull) => hulls(isa, frame, hull.narrow(), hull.radius() as f32, blocks),
         Shape::HeightMap(map) => match map.cell(piece) {
             Some(cell) => {
                 let half = narrow([0, 1, 2].map(|k| 0.5 * (cell.max[k] - cell.min[k])));
@@ -128,7 +131,9 @@ dispatch! {
     fn triangles(frame: &Frame32, triangle: &Triangle32, blocks: &mut Blocks<'_>) = triangles_body;
 }
 dispatch! {
-    fn hulls(frame: &Frame32, faces: &[Triangle], blocks: &mut Blocks<'_>) = hulls_body;
+    fn hulls(
+        frame: &Frame32, faces: &[Triangle32], radius: f32, blocks: &mut Blocks<'_>,
+    ) = hulls_body;
 }
 
 /// Runs a formula of the shape's frame on every lane.
@@ -205,19 +210,26 @@ fn triangles_body<const ISA: u8>(frame: &Frame32, triangle: &Triangle32, blocks:
 }
 
 #[inline(always)]
-fn hulls_body<const ISA: u8>(frame: &Frame32, faces: &[Triangle], blocks: &mut Blocks<'_>) {
+fn hulls_body<const ISA: u8>(
+    frame: &Frame32,
+    faces: &[Triangle32],
+    radius: f32,
+    blocks: &mut Blocks<'_>,
+) {
     let answers = blocks.distances.iter_mut().zip(blocks.normals.iter_mut());
     for (block, (distance, normal)) in blocks.points.iter().zip(answers) {
         let mut local: PointBlock = [[0.0; LANES]; 3];
+        // Of two faces in a plane, rounding may put a point behind the one that it is nearest to.
+        let mut behind = [0.0; LANES];
         for lane in 0..LANES {
             let p = into_frame::<ISA>(frame, [block[0][lane], block[1][lane], block[2][lane]]);
             (local[0][lane], local[1][lane], local[2][lane]) = (p[0], p[1], p[2]);
+            behind[lane] = -(ERROR as f32) * (p[0].abs() + p[1].abs() + p[2].abs() + radius);
         }
         // The largest plane decides inside, the nearest face that a point is in front of outside.
         let mut plane = ([f32::NEG_INFINITY; LANES], [[0.0; LANES]; 3]);
         let mut face = ([f32::INFINITY; LANES], [[0.0; LANES]; 3]);
         for triangle in faces {
-            let triangle = Triangle32::new(triangle);
             let mut heights = [0.0; LANES];
             for lane in 0..LANES {
                 let p = [local[0][lane], local[1][lane], local[2][lane]];
@@ -229,14 +241,14 @@ fn hulls_body<const ISA: u8>(frame: &Frame32, faces: &[Triangle], blocks: &mut B
                     plane.1[k][lane] = if higher { triangle.normal[k] } else { plane.1[k][lane] };
                 }
             }
-            let candidate = (0..LANES).any(|l| heights[l] > 0.0 && heights[l] < face.0[l]);
+            let candidate = (0..LANES).any(|l| heights[l] > behind[l] && heights[l] < face.0[l]);
             if !candidate {
                 continue;
             }
             for lane in 0..LANES {
                 let p = [local[0][lane], local[1][lane], local[2][lane]];
-                let (d, n) = to_triangle::<ISA>(p, &triangle);
-                let nearer = heights[lane] > 0.0 && d < face.0[lane];
+                let (d, n) = to_triangle::<ISA>(p, triangle);
+                let nearer = heights[lane] > behind[lane] && d < face.0[lane];
                 face.0[lane] = if nearer { d } else { face.0[lane] };
                 for k in 0..3 {
                     face.1[k][lane] = if nearer { n[k] } else { face.1[k][lane] };
@@ -315,25 +327,37 @@ fn cylinder<const ISA: u8>(p: [f32; 3], radius: f32, half_length: f32) -> (f32, 
 fn to_triangle<const ISA: u8>(p: [f32; 3], triangle: &Triangle32) -> (f32, [f32; 3]) {
     let from = triangle.corners.map(|corner| sub(p, corner));
     let height = dot::<ISA>(triangle.normal, from[0]);
-    let mut inside = triangle.normal != [0.0; 3];
-    let mut nearest = (f32::INFINITY, [0.0; 3]);
+    // How far beyond the edge planes; a triangle without a plane is never above it.
+    let mut beyond = triangle.never_above;
+    let (mut square, mut across) = (f32::INFINITY, [0.0; 3]);
     for i in 0..3 {
-        inside &= dot::<ISA>(triangle.outward[i], from[i]) <= 0.0;
+        beyond = larger(beyond, dot::<ISA>(triangle.outward[i], from[i]));
         let t = dot::<ISA>(triangle.along[i], from[i]) * triangle.inverse_square[i];
         let t = larger(0.0, smaller(t, 1.0));
-        let across = [0, 1, 2].map(|k: usize| madd::<ISA>(-t, triangle.along[i][k], from[i][k]));
-        let square = dot::<ISA>(across, across);
-        let nearer = square < nearest.0;
-        nearest.0 = if nearer { square } else { nearest.0 };
-        nearest.1 = [0, 1, 2].map(|k| if nearer { across[k] } else { nearest.1[k] });
+        let candidate = [
+            madd::<ISA>(-t, triangle.along[i][0], from[i][0]),
+            madd::<ISA>(-t, triangle.along[i][1], from[i][1]),
+            madd::<ISA>(-t, triangle.along[i][2], from[i][2]),
+        ];
+        let candidate_square = dot::<ISA>(candidate, candidate);
+        let nearer = candidate_square < square;
+        square = if nearer { candidate_square } else { square };
+        across[0] = if nearer { candidate[0] } else { across[0] };
+        across[1] = if nearer { candidate[1] } else { across[1] };
+        across[2] = if nearer { candidate[2] } else { across[2] };
     }
-    let to_edge = nearest.0.sqrt();
+    let to_edge = square.sqrt();
     let inverse = if to_edge > 0.0 { 1.0 / to_edge } else { 0.0 };
-    let by_plane = inside || to_edge == 0.0;
+    let above = beyond <= 0.0;
     let sign = 1.0_f32.copysign(height);
-    let n = [0, 1, 2]
-        .map(|k| if by_plane { sign * triangle.normal[k] } else { nearest.1[k] * inverse });
-    (if inside { height.abs() } else { to_edge }, n)
+    // On the triangle's rim there is no direction but its normal.
+    let by_plane = if to_edge > 0.0 { above } else { true };
+    let n = [
+        if by_plane { sign * triangle.normal[0] } else { across[0] * inverse },
+        if by_plane { sign * triangle.normal[1] } else { across[1] * inverse },
+        if by_plane { sign * triangle.normal[2] } else { across[2] * inverse },
+    ];
+    (if above { height.abs() } else { to_edge }, n)
 }
 
 #[inline(always)]

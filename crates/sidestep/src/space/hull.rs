@@ -6,15 +6,19 @@
 
 use std::collections::HashSet;
 
+use super::blocks::Triangle32;
 use super::bounds::Bounds;
 use super::pose::finite_vector;
 use super::triangle::Triangle;
-use super::vector::{Vector, dot, sub};
+use super::vector::{Vector, dot, norm, sub};
 use crate::error::InvalidInput;
 
 /// How far a corner may lie in front of a face's plane, as a share of the hull's extent: rounding,
 /// no more.
 const FLATNESS: f64 = 1e-6;
+
+/// Errors of a height over a face, as a share of the lengths that go into it; some ten roundings.
+const ROUNDING: f64 = 1e-14;
 
 /// A convex solid bounded by triangles.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +27,10 @@ pub struct Hull {
     faces: Vec<[u32; 3]>,
     /// The faces that are not too thin, ready for distances.
     triangles: Vec<Triangle>,
+    /// The same in f32.
+    narrow: Vec<Triangle32>,
+    /// Distance of the farthest corner from the origin.
+    radius: f64,
 }
 
 impl Hull {
@@ -56,12 +64,14 @@ impl Hull {
 
     /// From triangles that are known to bound a convex solid, but for rounding.
     pub(super) fn from_triangles(vertices: Vec<Vector>, faces: Vec<[u32; 3]>) -> Self {
-        let triangles = faces
+        let triangles: Vec<Triangle> = faces
             .iter()
             .map(|face| Triangle::new(face.map(|corner| vertices[corner as usize])))
             .filter(|triangle| !triangle.is_thin())
             .collect();
-        Self { vertices, faces, triangles }
+        let radius = vertices.iter().map(|&vertex| norm(vertex)).fold(0.0, f64::max);
+        let narrow = triangles.iter().map(Triangle32::new).collect();
+        Self { vertices, faces, triangles, narrow, radius }
     }
 
     /// Each side of a face is a side of exactly one other, the other way round.
@@ -111,6 +121,14 @@ impl Hull {
         &self.faces
     }
 
+    pub(super) fn narrow(&self) -> &[Triangle32] {
+        &self.narrow
+    }
+
+    pub(super) fn radius(&self) -> f64 {
+        self.radius
+    }
+
     pub(super) fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }
@@ -122,6 +140,9 @@ impl Hull {
 
     /// Signed distance and unit normal at `p`, negative inside.
     pub fn distance(&self, p: Vector) -> (f64, Vector) {
+        // A face that p is in front of but for rounding counts: of two faces in a plane, p may seem to
+        // be behind the one that it is nearest to.
+        let behind = -ROUNDING * (norm(p) + self.radius);
         let mut plane = (f64::NEG_INFINITY, [0.0, 0.0, 1.0]);
         let mut face = (f64::INFINITY, [0.0, 0.0, 1.0]);
         for triangle in &self.triangles {
@@ -129,7 +150,7 @@ impl Hull {
             if height > plane.0 {
                 plane = (height, triangle.normal);
             }
-            if height > 0.0 && height < face.0 {
+            if height > behind && height < face.0 {
                 let there = triangle.distance(p);
                 if there.0 < face.0 {
                     face = there;

@@ -21,11 +21,14 @@
 
 mod blocks;
 mod bounds;
+mod cover;
+pub mod generate;
 mod height_map;
 mod hull;
 mod index;
 mod pose;
 mod primitives;
+mod quickhull;
 mod shape;
 #[cfg(test)]
 mod tests;
@@ -34,6 +37,7 @@ pub mod vector;
 mod world;
 
 pub use bounds::Bounds;
+pub use cover::Cover;
 pub use height_map::HeightMap;
 pub use hull::Hull;
 pub use pose::Pose;

@@ -41,6 +41,13 @@ fn octahedron(size: Vector, shift: Vector) -> Shape {
     Shape::Hull(Arc::new(Hull::new(vertices.to_vec(), &faces.map(|f| f.to_vec())).unwrap()))
 }
 
+fn turned_box(half: Vector, rpy: Vector) -> Shape {
+    let turn = Pose::from_rpy(rpy, [0.0; 3]).unwrap();
+    let corner = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -half[k] } else { half[k] });
+    let corners: Vec<Vector> = (0..8).map(|i| turn.apply(corner(i))).collect();
+    Shape::Hull(Arc::new(Hull::around(&corners).unwrap()))
+}
+
 fn vectors(range: f64) -> impl Strategy<Value = Vector> {
     prop::array::uniform3(-range..range)
 }
@@ -66,6 +73,8 @@ fn shapes() -> impl Strategy<Value = Shape> {
         size().prop_map(|[r, l, _]| Shape::cylinder(r, l).unwrap()),
         size().prop_map(|[r, l, _]| Shape::capsule(r, l - 0.01).unwrap()),
         (size(), vectors(0.5)).prop_map(|(size, shift)| octahedron(size, shift)),
+        // Two triangles in each face's plane.
+        (size(), vectors(3.2)).prop_map(|(half, rpy)| turned_box(half, rpy)),
         prop::collection::vec(vectors(0.8), 3..8).prop_map(mesh),
         // Thin triangles, and such that are points.
         prop::collection::vec((-0.8..0.8_f64, -1e-7..1e-7_f64), 3..8)
