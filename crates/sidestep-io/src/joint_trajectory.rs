@@ -10,7 +10,7 @@ use std::fmt::Write;
 
 use serde_json::json;
 use sidestep::InvalidInput;
-use sidestep::timing::Moment;
+use sidestep::trajectory::timing::Moment;
 
 /// A form of a trajectory's file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

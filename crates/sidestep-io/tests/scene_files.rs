@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "a test")]
 
 use sidestep::space::World;
-use sidestep_io::scenes::{SceneOptions, mesh, points, read_problems, read_request, read_scene};
+use sidestep_io::scenes::{
+    SceneOptions, mesh, points, read_problems, read_request, read_scene, write_problems,
+};
 
 const JSON: &str = r#"{"format": "sidestep.scene/1", "objects": [
   {"name": "table", "shapes": [{"box": {"half_extents": [0.4, 0.6, 0.02]}, "position": [0.5, 0, 0.3]}]},
@@ -197,6 +199,8 @@ fn faults_of_scenes_are_told() {
         ("a.yaml", yaml("id: can", "xd: can"), "no field \"id\""),
         ("a.yaml", yaml("id: can", "id: [can"), "line "),
         ("a.yaml", bomb, "found a fault"),
+        ("a.yaml", format!("world: {}", "[".repeat(100_000)), "found a fault"),
+        ("a.yaml", format!("world: {}", "{a: ".repeat(100_000)), "found a fault"),
         ("a.yaml", String::new(), "a.yaml"),
         ("a.scene", text("box", "bax"), "line 6: found \"bax\"; expected box, sphere"),
         ("a.scene", text("0.8 1.2 0.04", "0.8 1.2 x"), "line 7: found \"x\""),
@@ -418,6 +422,40 @@ fn problems_are_read() {
         assert!(error.contains(part), "{error}\nlacks {part}");
     }
 }
+
+#[test]
+fn problems_come_back() {
+    let mut none = |_: &str| Err(std::io::Error::other("no file"));
+    for text in [PROBLEMS, CONVERTED, EVERY_SHAPE] {
+        let problems = read_problems(text.as_bytes(), &mut none).unwrap();
+        let again = read_problems(write_problems(&problems).as_bytes(), &mut none).unwrap();
+        assert_eq!(problems.len(), again.len());
+        for (a, b) in problems.iter().zip(&again) {
+            assert_eq!((&a.name, &a.start, &a.goals), (&b.name, &b.start, &b.goals));
+            assert_eq!(
+                (&a.robot, &a.joints, &a.fixed_joints),
+                (&b.robot, &b.joints, &b.fixed_joints)
+            );
+            let (a, b) = (fingerprint(&a.world), fingerprint(&b.world));
+            assert_eq!(a.len(), b.len());
+            for ((name, a), (other, b)) in a.iter().zip(&b) {
+                assert_eq!(name, other);
+                assert!(a.iter().zip(b).all(|(a, b)| a == b || (a - b).abs() < 1e-12), "{name}");
+            }
+        }
+    }
+}
+
+const EVERY_SHAPE: &str = r#"{"format": "sidestep.problems/1", "robot": "r", "joints": ["a"],
+  "problems": [{"name": "all", "start": [0.1], "goals": [[0.30000000000000004]], "objects":
+    [{"name": "all", "shapes": [
+        {"sphere": {"radius": 1}}, {"box": {"half_extents": [1, 0.1, 1]}, "rpy": [0.3, 3, 1.5]},
+        {"cylinder": {"radius": 1, "length": 2}, "position": [1, 2, 3]},
+        {"capsule": {"radius": 1, "length": 0}},
+        {"hull": {"vertices": [[0,0,0],[1,0,0],[0,1,0],[0,0,1],[0.1,0.1,0.1]]}},
+        {"mesh": {"vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0, 1, 2]]}},
+        {"height_map": {"resolution": 0.1, "base": -1, "rows": [[0, 1], [2, 3], [-1, 0]]}},
+        {"points": {"positions": [[1, 2, 3]], "radius": 0}}]}]}]}"#;
 
 #[test]
 fn requests_are_read() {

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test")]
 
 use serde_json::Value;
-use sidestep::timing::{Limits, Path, time_path};
+use sidestep::trajectory::timing::{Limits, Path, time_path};
 
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()

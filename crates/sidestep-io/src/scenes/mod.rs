@@ -15,6 +15,7 @@ mod objects;
 pub mod points;
 mod problems;
 mod tree;
+mod write;
 
 use sidestep::space::{Object, PointCloud, Pose, Shape, World};
 
@@ -23,6 +24,7 @@ use crate::error::{FormatError, Place};
 pub use json::SCENE_FORMAT;
 pub use moveit::{Request, read_request};
 pub use problems::{PROBLEM_FORMAT, Problem, read_problems};
+pub use write::write_problems;
 
 /// Gives the bytes of a file by the name that another file calls it.
 pub type Load<'a> = &'a mut dyn FnMut(&str) -> std::io::Result<Vec<u8>>;

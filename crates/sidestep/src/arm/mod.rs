@@ -9,16 +9,22 @@
 pub mod certificate;
 mod chain;
 mod costs;
+mod covered;
+mod inverse_kinematics;
 mod kinematics;
 mod lanes;
 mod model;
+mod problems;
 mod reach;
 mod robot;
 mod scene;
 mod sincos;
 mod spheres;
 
+pub use covered::MeshHull;
+pub use inverse_kinematics::Tool;
 pub use model::{Body, BodyShape, Joint, JointKind, Limits, Link, MAX_LINKS, Mimic, Model};
+pub use problems::{Placement, SceneProblem};
 pub use robot::{Arm, ArmJoint, MAX_DOF};
 pub use scene::ArmScene;
 pub use spheres::Ball;

@@ -33,7 +33,7 @@ pub struct Arm {
     name: String,
     joints: Vec<ArmJoint>,
     pub(super) chain: Chain,
-    link_names: Vec<String>,
+    pub(super) link_names: Vec<String>,
     pub(super) parts: Vec<Part>,
     pub(super) balls: Vec<Ball>,
     /// Pairs of parts that must not touch each other, by number.

@@ -9,11 +9,9 @@
 //! three, twice; a point put on the wrong side of an edge plane is that near to it, and both
 //! answers differ by no more than that). [`ERROR`] is 32 u.
 
-use super::PointBlock;
 use super::pose::Pose;
 use super::shape::Shape;
-use super::triangle::Triangle;
-use super::vector::Vector;
+use super::triangle::{Triangle, Triangle32, narrow};
 use crate::kernels::{Isa, LANES, dispatch, madd};
 
 /// Bound on the error of a distance, as a share of the lengths that go into it.
@@ -32,34 +30,8 @@ impl Frame32 {
     }
 }
 
-/// A triangle in f32, in its shape's frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Triangle32 {
-    corners: [[f32; 3]; 3],
-    normal: [f32; 3],
-    along: [[f32; 3]; 3],
-    inverse_square: [f32; 3],
-    outward: [[f32; 3]; 3],
-    /// Infinite for a triangle without a normal, else zero.
-    never_above: f32,
-}
-
-impl Triangle32 {
-    pub(super) fn new(triangle: &Triangle) -> Self {
-        Self {
-            corners: triangle.corners.map(narrow),
-            normal: narrow(if triangle.is_thin() { [0.0, 0.0, 1.0] } else { triangle.normal }),
-            along: triangle.edges.map(|edge| narrow(edge.along)),
-            // Sides shorter than 1e-19 m count as points: their square is no f32.
-            inverse_square: triangle.edges.map(|edge| {
-                let narrow = edge.inverse_square as f32;
-                if narrow.is_finite() { narrow } else { 0.0 }
-            }),
-            outward: triangle.edges.map(|edge| narrow(edge.outward)),
-            never_above: if triangle.is_thin() { f32::INFINITY } else { 0.0 },
-        }
-    }
-}
+/// `LANES` points, one coordinate after the other: `[axis][lane]`, f32.
+pub type PointBlock = [[f32; LANES]; 3];
 
 /// Points and the answers for them, equally many.
 pub(super) struct Blocks<'a> {
@@ -386,8 +358,4 @@ fn larger(a: f32, b: f32) -> f32 {
 #[inline(always)]
 fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
-}
-
-fn narrow(v: Vector) -> [f32; 3] {
-    v.map(|v| v as f32)
 }

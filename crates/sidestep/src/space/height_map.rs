@@ -43,6 +43,26 @@ impl HeightMap {
         Ok(Self { columns, resolution, base, heights })
     }
 
+    /// Cells of a row.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Side of a cell, in metres.
+    pub fn resolution(&self) -> f64 {
+        self.resolution
+    }
+
+    /// Where the columns stand, in metres.
+    pub fn base(&self) -> f64 {
+        self.base
+    }
+
+    /// All heights, row-major, the row of the smallest y first.
+    pub fn heights(&self) -> &[f64] {
+        &self.heights
+    }
+
     /// Number of cells, empty ones too; cell i is (i / columns, i % columns).
     pub fn cells(&self) -> usize {
         self.heights.len()

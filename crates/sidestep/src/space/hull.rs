@@ -6,10 +6,9 @@
 
 use std::collections::HashSet;
 
-use super::blocks::Triangle32;
 use super::bounds::Bounds;
 use super::pose::finite_vector;
-use super::triangle::Triangle;
+use super::triangle::{Triangle, Triangle32};
 use super::vector::{Vector, dot, norm, sub};
 use crate::error::InvalidInput;
 

@@ -36,6 +36,7 @@ mod triangle;
 pub mod vector;
 mod world;
 
+pub use blocks::PointBlock;
 pub use bounds::Bounds;
 pub use cover::Cover;
 pub use height_map::HeightMap;
@@ -46,6 +47,3 @@ pub use vector::Vector;
 pub use world::{Distance, Object, PieceId, World};
 
 pub use crate::kernels::LANES;
-
-/// `LANES` points, one coordinate after the other: `[axis][lane]`, f32.
-pub type PointBlock = [[f32; LANES]; 3];

@@ -81,3 +81,36 @@ impl Triangle {
         }
     }
 }
+
+/// A triangle in f32, in its shape's frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Triangle32 {
+    pub(super) corners: [[f32; 3]; 3],
+    pub(super) normal: [f32; 3],
+    pub(super) along: [[f32; 3]; 3],
+    pub(super) inverse_square: [f32; 3],
+    pub(super) outward: [[f32; 3]; 3],
+    /// Infinite for a triangle without a normal, else zero.
+    pub(super) never_above: f32,
+}
+
+impl Triangle32 {
+    pub(super) fn new(triangle: &Triangle) -> Self {
+        Self {
+            corners: triangle.corners.map(narrow),
+            normal: narrow(if triangle.is_thin() { [0.0, 0.0, 1.0] } else { triangle.normal }),
+            along: triangle.edges.map(|edge| narrow(edge.along)),
+            // Sides shorter than 1e-19 m count as points: their square is no f32.
+            inverse_square: triangle.edges.map(|edge| {
+                let narrow = edge.inverse_square as f32;
+                if narrow.is_finite() { narrow } else { 0.0 }
+            }),
+            outward: triangle.edges.map(|edge| narrow(edge.outward)),
+            never_above: if triangle.is_thin() { f32::INFINITY } else { 0.0 },
+        }
+    }
+}
+
+pub(super) fn narrow(v: Vector) -> [f32; 3] {
+    v.map(|v| v as f32)
+}

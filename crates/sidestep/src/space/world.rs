@@ -1,7 +1,6 @@
 //! Named objects in space, and the distance to each of their pieces.
 
-use super::PointBlock;
-use super::blocks::{self, Blocks, Frame32};
+use super::blocks::{self, Blocks, Frame32, PointBlock};
 use super::bounds::Bounds;
 use super::index::Index;
 use super::pose::Pose;

@@ -1,6 +1,7 @@
 //! A trajectory: a sequence of configurations joined by straight segments, of any number of coordinates.
 
 mod action;
+pub mod timing;
 mod violation;
 pub mod waypoints;
 

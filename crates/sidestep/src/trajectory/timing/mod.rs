@@ -6,7 +6,7 @@
 //! points lie between those at them, so the limits hold everywhere and not only on the grid.
 //!
 //! ```
-//! use sidestep::timing::{Limits, Path, time_path};
+//! use sidestep::trajectory::timing::{Limits, Path, time_path};
 //!
 //! // Two joints, three configurations; the corner is cut 0.1 rad before and after it.
 //! let path = Path::blended(&[0.0, 0.0, 1.0, 0.0, 1.0, 1.0], 2, &[0.1]).unwrap();

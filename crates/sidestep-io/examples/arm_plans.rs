@@ -1,0 +1,182 @@
+//! Plans problems for a robot with joints and writes the plans, for others to judge.
+//!
+//! ```text
+//! cargo run --release -p sidestep-io --example arm_plans -- robot.urdf robot.srdf plans.jsonl \
+//!     --problems problems.json
+//! cargo run --release -p sidestep-io --example arm_plans -- robot.urdf robot.srdf plans.jsonl \
+//!     --family cage --count 1000 --seed 7 --tool LINK --tool-rpy r,p,y --offset x,y,z \
+//!     --joints a,b,c --save problems.json
+//! ```
+//!
+//! With `--meshes DIR --overhang M` the URDF's shapes are covered by balls that stick out by at most M
+//! metres; `package://` and relative paths are looked for under DIR. Without, the bodies must be balls.
+//! `oracle/judge_arms.py` judges the plans.
+#![allow(clippy::print_stdout, reason = "an example prints its result")]
+
+use std::collections::HashMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use serde_json::json;
+use sidestep::InvalidInput;
+use sidestep::arm::certificate::Certifier;
+use sidestep::arm::rrt_connect::RrtConnect;
+use sidestep::arm::{Arm, Model, Placement, Tool};
+use sidestep::rng::{Purpose, stream};
+use sidestep::space::generate::Family;
+use sidestep::space::{Hull, Pose};
+use sidestep_io::robots::{read_srdf, read_urdf};
+use sidestep_io::scenes::{Problem, mesh, read_problems, write_problems};
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() -> Result<(), Failure> {
+    let mut plain = Vec::new();
+    let mut flags: HashMap<String, String> = HashMap::new();
+    let mut args = std::env::args().skip(1);
+    while let Some(arg) = args.next() {
+        match arg.strip_prefix("--") {
+            Some(flag) => {
+                let value = args.next().ok_or_else(|| format!("--{flag} needs a value"))?;
+                flags.insert(flag.to_owned(), value);
+            }
+            None => plain.push(arg),
+        }
+    }
+    let [urdf, srdf, out] = plain.as_slice() else {
+        return Err("three files are needed: robot.urdf robot.srdf plans.jsonl".into());
+    };
+    let mut model = read_urdf(&std::fs::read_to_string(urdf)?)?;
+    let srdf = read_srdf(&std::fs::read_to_string(srdf)?)?;
+    if let Some(folder) = flags.get("meshes") {
+        let overhang = flags.get("overhang").map_or(Ok(0.01), |text| text.parse())?;
+        let begun = Instant::now();
+        let mut hull = |file: &str, scale: [f64; 3]| load_hull(Path::new(folder), file, scale);
+        let (covered, worst) = model.covered(overhang, &mut hull)?;
+        model = covered;
+        let balls: usize = model.links().iter().map(|link| link.bodies.len()).sum();
+        let ms = begun.elapsed().as_secs_f64() * 1e3;
+        println!("{balls} balls cover it, {:.2} mm beyond at most, {ms:.0} ms", 1e3 * worst);
+    }
+    let problems = match flags.get("problems") {
+        Some(file) => {
+            let mut none = |_: &str| Err(std::io::Error::other("no file"));
+            read_problems(&std::fs::read(file)?, &mut none)?
+        }
+        None => generate(&model, &srdf.disabled_pairs, &flags)?,
+    };
+    if let Some(file) = flags.get("save") {
+        std::fs::write(file, write_problems(&problems))?;
+    }
+    let first = problems.first().ok_or("no problem")?;
+    let joints: Vec<&str> = first.joints.iter().map(String::as_str).collect();
+    let arm = arm(&model, &joints, &first.fixed_joints, &srdf.disabled_pairs)?;
+    plan_all(&arm, &problems, out)
+}
+
+fn plan_all(arm: &Arc<Arm>, problems: &[Problem], out: &str) -> Result<(), Failure> {
+    let planner = RrtConnect::default();
+    let mut file = std::io::BufWriter::new(std::fs::File::create(out)?);
+    let (mut solved, mut invalid) = (0, 0);
+    for (index, problem) in problems.iter().enumerate() {
+        let certifier = Certifier::new(Arc::clone(arm), Arc::clone(&problem.world));
+        let mut work = certifier.work();
+        let ends = [&problem.start, &problem.goals[0]];
+        let free = ends.into_iter().all(|end| {
+            arm.check("end", end).is_ok() && certifier.motion_is_free(end, end, &mut work)
+        });
+        invalid += usize::from(!free);
+        if !free {
+            continue;
+        }
+        let begun = Instant::now();
+        let certifier = Certifier::new(Arc::clone(arm), Arc::clone(&problem.world));
+        let mut work = certifier.work();
+        let mut rng = stream(0, Purpose::Planner, index as u64, 0);
+        let run = planner.plan(ends[0], ends[1], &certifier, &mut work, &mut rng);
+        let us = begun.elapsed().as_secs_f64() * 1e6;
+        if let Some(path) = run.path {
+            solved += 1;
+            let rows: Vec<&[f64]> = path.chunks_exact(arm.dof()).collect();
+            let plan =
+                json!({"problem": problem.name, "joints": &problem.joints[..], "path": rows});
+            writeln!(file, "{plan}")?;
+        }
+    }
+    file.flush()?;
+    println!(
+        "{} problems, {invalid} with an end that is not free, {solved} solved",
+        problems.len()
+    );
+    Ok(())
+}
+
+fn arm(
+    model: &Model,
+    joints: &[&str],
+    fixed: &[(String, f64)],
+    disabled: &[(String, String)],
+) -> Result<Arc<Arm>, InvalidInput> {
+    let held = fixed.iter().filter(|(name, _)| model.joint(name).is_some()).cloned().collect();
+    let known = disabled
+        .iter()
+        .filter(|(a, b)| model.link(a).is_some() && model.link(b).is_some())
+        .cloned()
+        .collect::<Vec<_>>();
+    Ok(Arc::new(Arm::new(model, joints, &held)?.with_self_collisions(&known)?))
+}
+
+fn generate(
+    model: &Model,
+    disabled: &[(String, String)],
+    flags: &HashMap<String, String>,
+) -> Result<Vec<Problem>, Failure> {
+    let text = |flag: &str| flags.get(flag).map(String::as_str);
+    let family = Family::named(text("family").ok_or("--problems or --family is needed")?)?;
+    let joints: Vec<&str> = text("joints").ok_or("--joints is needed")?.split(',').collect();
+    let arm = arm(model, &joints, &[], disabled)?;
+    let frame = Pose::from_rpy(triple(text("tool-rpy"))?, triple(text("tool-at"))?)?;
+    let link = text("tool").ok_or("--tool is needed")?.to_owned();
+    let tool = Tool { link, frame };
+    let placement = Placement { tool, offset: triple(text("offset"))?, rest: None };
+    let (count, seed) =
+        (text("count").unwrap_or("10").parse()?, text("seed").unwrap_or("0").parse()?);
+    let (robot, names): (Arc<str>, Vec<String>) =
+        (arm.name().into(), joints.iter().map(|&name| name.to_owned()).collect());
+    let names: Arc<[String]> = names.into();
+    let mut problems = Vec::new();
+    for index in 0..count {
+        if let Some(made) = arm.scene_problem(family, &placement, seed, index)? {
+            problems.push(Problem {
+                name: made.name,
+                robot: robot.clone(),
+                joints: names.clone(),
+                fixed_joints: Arc::new([]),
+                start: made.start,
+                goals: vec![made.goal],
+                world: made.world,
+            });
+        }
+    }
+    Ok(problems)
+}
+
+fn triple(text: Option<&str>) -> Result<[f64; 3], Failure> {
+    let Some(text) = text else { return Ok([0.0; 3]) };
+    let numbers: Vec<f64> = text.split(',').map(str::parse).collect::<Result<_, _>>()?;
+    numbers.try_into().map_err(|_| format!("{text:?} is not three numbers").into())
+}
+
+fn load_hull(folder: &Path, file: &str, scale: [f64; 3]) -> Result<Arc<Hull>, InvalidInput> {
+    let refused = |found: &dyn std::fmt::Display| {
+        InvalidInput::new(format!("mesh {file:?}"), found, "an STL or OBJ file under --meshes")
+    };
+    let path: PathBuf = folder.join(file.trim_start_matches("package://"));
+    let bytes = std::fs::read(path).map_err(|error| refused(&error))?;
+    match mesh::shape(file, &bytes, scale, true).map_err(|error| refused(&error))? {
+        sidestep::space::Shape::Hull(hull) => Ok(hull),
+        other => Err(refused(&other.kind())),
+    }
+}
