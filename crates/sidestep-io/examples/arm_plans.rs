@@ -100,8 +100,8 @@ fn plan_all(arm: &Arc<Arm>, problems: &[Problem], out: &str) -> Result<(), Failu
         if let Some(path) = run.path {
             solved += 1;
             let rows: Vec<&[f64]> = path.chunks_exact(arm.dof()).collect();
-            let plan =
-                json!({"problem": problem.name, "joints": &problem.joints[..], "path": rows});
+            let joints = &problem.joints[..];
+            let plan = json!({"problem": problem.name, "joints": joints, "path": rows, "us": us});
             writeln!(file, "{plan}")?;
         }
     }
