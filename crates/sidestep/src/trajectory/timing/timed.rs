@@ -47,7 +47,7 @@ pub struct Moment {
 /// The fastest timing of a path, from rest to rest, that keeps every joint within its limits all
 /// the time.
 ///
-/// The times are those of a grid of some 800 intervals: up to half a percent slower than the fastest.
+/// The times are those of a grid of some 800 intervals, and up to half a percent above the least.
 ///
 /// # Errors
 /// If there are not as many limits as joints.
