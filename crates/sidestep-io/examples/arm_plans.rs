@@ -134,7 +134,7 @@ fn generate(
     flags: &HashMap<String, String>,
 ) -> Result<Vec<Problem>, Failure> {
     let text = |flag: &str| flags.get(flag).map(String::as_str);
-    let family = Family::named(text("family").ok_or("--problems or --family is needed")?)?;
+    let family: Family = text("family").ok_or("--problems or --family is needed")?.parse()?;
     let joints: Vec<&str> = text("joints").ok_or("--joints is needed")?.split(',').collect();
     let arm = arm(model, &joints, &[], disabled)?;
     let frame = Pose::from_rpy(triple(text("tool-rpy"))?, triple(text("tool-at"))?)?;

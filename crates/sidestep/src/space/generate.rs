@@ -41,7 +41,7 @@ pub enum Family {
 
 /// A scene and what there is to reach for in it.
 #[derive(Debug, Clone)]
-pub struct Scene {
+pub struct RandomScene {
     /// Such as `cage, seed 7, scene 3`.
     pub name: String,
     /// What is around the robot, in the frame of its base.
@@ -68,16 +68,6 @@ impl Family {
         ("planar_boxes", Self::PlanarBoxes),
     ];
 
-    /// The family of that name.
-    ///
-    /// # Errors
-    /// If there is none.
-    pub fn named(name: &str) -> Result<Self, InvalidInput> {
-        Self::NAMES.iter().find(|(known, _)| *known == name).map(|&(_, family)| family).ok_or_else(
-            || InvalidInput::new("family", name, Self::NAMES.map(|(known, _)| known).join(", ")),
-        )
-    }
-
     /// The family's name.
     pub fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, family)| *family == self).map_or("", |&(name, _)| name)
@@ -89,7 +79,12 @@ impl Family {
     ///
     /// # Errors
     /// If the offset is not finite.
-    pub fn generate(self, seed: u64, index: u64, offset: Vector) -> Result<Scene, InvalidInput> {
+    pub fn generate(
+        self,
+        seed: u64,
+        index: u64,
+        offset: Vector,
+    ) -> Result<RandomScene, InvalidInput> {
         super::pose::finite_vector("offset", offset)?;
         let number = Self::NAMES.iter().position(|(_, family)| *family == self).unwrap_or(0);
         let mut draw = Draw(stream(seed, Purpose::Task, index, 1000 + number as u64));
@@ -121,12 +116,30 @@ impl Family {
             .objects
             .into_iter()
             .map(|(name, pose, shape)| Object::new(name, vec![(whole.compose(&pose), shape)]));
-        Ok(Scene {
+        Ok(RandomScene {
             name: format!("{}, seed {seed}, scene {index}", self.name()),
             world: World::new(objects.collect())?,
             starts: placed(builder.starts),
             goals: placed(builder.goals),
         })
+    }
+}
+
+impl std::str::FromStr for Family {
+    type Err = InvalidInput;
+
+    /// The family of that name.
+    fn from_str(name: &str) -> Result<Self, InvalidInput> {
+        let found = Self::NAMES.iter().find(|(known, _)| *known == name);
+        let unknown =
+            || InvalidInput::unknown("family", name, &Self::NAMES.map(|(known, _)| known));
+        found.map(|&(_, family)| family).ok_or_else(unknown)
+    }
+}
+
+impl std::fmt::Display for Family {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
     }
 }
 
@@ -360,9 +373,10 @@ mod tests {
     #[test]
     fn names_come_back() {
         for (name, family) in Family::NAMES {
-            assert_eq!((Family::named(name).unwrap(), family.name()), (family, name));
+            assert_eq!((name.parse(), family.to_string()), (Ok(family), name.to_owned()));
         }
-        assert!(Family::named("kitchen").is_err());
+        let error = "cages".parse::<Family>().unwrap_err();
+        assert!(error.allowed.ends_with("did you mean cage?"));
     }
 
     #[test]
