@@ -3,7 +3,7 @@
 
 use super::{grid, number};
 use crate::bench::statistics::{deviation, mean};
-use crate::experiment::config::Columns;
+use crate::experiment::config::{Columns, Measure};
 use crate::experiment::report::{Cell, ExperimentReport};
 
 /// The report as Markdown.
@@ -33,7 +33,7 @@ pub fn experiment_markdown(report: &ExperimentReport) -> String {
             measure.steps
         );
         if !by_measure {
-            text += &success_grid(&cells);
+            text += &success_grid(&cells, measure);
             text += "\n";
         }
         text += &grid(&detail(&cells));
@@ -44,7 +44,7 @@ pub fn experiment_markdown(report: &ExperimentReport) -> String {
     let rounds = experiment.measure.len().max(1) as f64;
     text + &format!(
         "\nMean ± standard deviation over training seeds (task seeds for planners without training), each over \
-         all tasks; in brackets the paper's number. `{}`, commit {}, {:.0} s and {:.0} s of training on {} \
+         all tasks; in brackets the paper's number and how many standard deviations of both ours lies above it (z). `{}`, commit {}, {:.0} s and {:.0} s of training on {} \
          ({} threads).\n",
         p.command,
         p.commit,
@@ -56,7 +56,7 @@ pub fn experiment_markdown(report: &ExperimentReport) -> String {
 }
 
 /// Any-step success by row and column; baselines below, in the first column.
-fn success_grid(cells: &[&Cell]) -> String {
+fn success_grid(cells: &[&Cell], measure: &Measure) -> String {
     let mut columns: Vec<&str> = Vec::new();
     let mut rows: Vec<&str> = Vec::new();
     for cell in cells.iter().filter(|cell| !cell.column.is_empty()) {
@@ -80,12 +80,12 @@ fn success_grid(cells: &[&Cell]) -> String {
         let mut line = vec![row.to_string()];
         for column in &columns {
             let cell = cells.iter().find(|cell| cell.row == row && cell.column == *column);
-            line.push(cell.map_or_else(String::new, |cell| success(cell)));
+            line.push(cell.map_or_else(String::new, |cell| success(cell, measure)));
         }
         lines.push(line);
     }
     for cell in cells.iter().filter(|cell| cell.column.is_empty()) {
-        let mut line = vec![format!("`{}`", cell.row), success(cell)];
+        let mut line = vec![format!("`{}`", cell.row), success(cell, measure)];
         line.resize(columns.len() + 1, String::new());
         lines.push(line);
     }
@@ -98,10 +98,10 @@ fn measures_grid(report: &ExperimentReport) -> Vec<Vec<String>> {
         "" => format!("`{}`", cell.row),
         column => format!("{} {column}", cell.row),
     };
-    let names: Vec<&str> = report.experiment.measure.iter().map(|m| m.name.as_str()).collect();
+    let names = report.experiment.measure.iter().map(|measure| measure.name.as_str());
     let mut lines: Vec<Vec<String>> = vec![
         std::iter::once("any-step success %")
-            .chain(names.iter().copied())
+            .chain(names)
             .map(String::from)
             .collect(),
     ];
@@ -113,19 +113,46 @@ fn measures_grid(report: &ExperimentReport) -> Vec<Vec<String>> {
     }
     for row in rows {
         let mut line = vec![row.clone()];
-        for name in &names {
+        for measure in &report.experiment.measure {
             let mut cells = report.cells.iter();
-            let cell = cells.find(|cell| cell.measure == *name && label(cell) == row);
-            line.push(cell.map_or_else(String::new, success));
+            let cell = cells.find(|cell| cell.measure == measure.name && label(cell) == row);
+            line.push(cell.map_or_else(String::new, |cell| success(cell, measure)));
         }
         lines.push(line);
     }
     lines
 }
 
-fn success(cell: &Cell) -> String {
-    let paper = cell.paper.map_or_else(String::new, |paper| format!(" [{paper}]"));
+/// Success with its spread; in brackets the paper's and how far ours is from it.
+fn success(cell: &Cell, measure: &Measure) -> String {
+    let paper = cell.paper.map_or_else(String::new, |paper| {
+        let apart = apart(cell, measure, paper / 100.0);
+        let apart = apart.map_or_else(String::new, |z| format!(", z {z:+.1}"));
+        format!(" [{paper}{apart}]")
+    });
     format!("{}{paper}", spread(&cell.any, 100.0, 1))
+}
+
+/// Tasks of the paper's test suites.
+fn paper_tasks(suite: &str) -> f64 {
+    if suite.starts_with("hard") { 100.0 } else { 1000.0 }
+}
+
+/// Our mean less the paper's share, in standard deviations of what is uncertain about both:
+///
+/// - which tasks were drawn: p (1 - p) / n, for our n tasks and for the paper's one draw;
+/// - which training: our deviation s between training seeds, as s² / k in our mean of k and as s² in the
+///   paper's one.
+///
+/// None where nothing is uncertain, as of gradient descent on tasks that it fails by definition.
+fn apart(cell: &Cell, measure: &Measure, paper: f64) -> Option<f64> {
+    let ours = mean(&cell.any)?;
+    let is_trained = !cell.training_seconds.is_empty();
+    let trainings = if is_trained { deviation(&cell.any).powi(2) } else { 0.0 };
+    let tasks = (measure.count * measure.seeds.len()) as f64;
+    let draws = ours * (1.0 - ours) * (1.0 / tasks + 1.0 / paper_tasks(&measure.suite));
+    let variance = draws + trainings * (1.0 + 1.0 / cell.any.len() as f64);
+    (variance > 0.0).then(|| (ours - paper) / variance.sqrt())
 }
 
 const HEADINGS: [&str; 11] = [
