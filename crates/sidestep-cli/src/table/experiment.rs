@@ -99,12 +99,8 @@ fn measures_grid(report: &ExperimentReport) -> Vec<Vec<String>> {
         column => format!("{} {column}", cell.row),
     };
     let names = report.experiment.measure.iter().map(|measure| measure.name.as_str());
-    let mut lines: Vec<Vec<String>> = vec![
-        std::iter::once("any-step success %")
-            .chain(names)
-            .map(String::from)
-            .collect(),
-    ];
+    let mut lines: Vec<Vec<String>> =
+        vec![std::iter::once("any-step success %").chain(names).map(String::from).collect()];
     let mut rows: Vec<String> = Vec::new();
     for cell in &report.cells {
         if !rows.contains(&label(cell)) {
