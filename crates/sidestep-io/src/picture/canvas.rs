@@ -86,6 +86,12 @@ pub(super) enum Shape {
         closed: bool,
         stroke: Stroke,
     },
+    /// A line that moves from one list of points to the next, over and over; where nothing can move it
+    /// is drawn as it ends. All lists are of one length.
+    Moving {
+        frames: Vec<Vec<Pixel>>,
+        stroke: Stroke,
+    },
     Circle {
         center: Pixel,
         radius: f64,

@@ -85,6 +85,11 @@ fn draw(pixmap: &mut Pixmap, shapes: &[Shape], transform: Transform, mask: Optio
                 }
                 stroke_path(pixmap, path.finish(), stroke, transform, mask);
             }
+            Shape::Moving { frames, stroke } => {
+                let mut path = PathBuilder::new();
+                frames.iter().rev().take(1).for_each(|last| add_points(&mut path, last, false));
+                stroke_path(pixmap, path.finish(), stroke, transform, mask);
+            }
             Shape::Circle { center, radius, fill, stroke } => {
                 let [x, y] = point(*center);
                 let large = *radius > LARGEST_CIRCLE || is_far(&[*center]);

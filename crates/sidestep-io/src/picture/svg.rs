@@ -10,6 +10,11 @@ use super::color::Color;
 use super::font::{self, Weight};
 use super::raster;
 
+/// A moving picture begins anew after this.
+const SECONDS: u32 = 8;
+/// The part of that in which it moves; in the rest it shows how it ends.
+const MOVES: f64 = 0.75;
+
 /// The whole document.
 pub(super) fn write(canvas: &Canvas) -> String {
     let (width, height) = (number(canvas.width), number(canvas.height));
@@ -36,6 +41,7 @@ fn write_shapes(svg: &mut String, shapes: &[Shape], clips: &mut usize) {
                 let data = path_data(points, *closed);
                 put(svg, &format!("<path d=\"{data}\" fill=\"none\"{}/>", stroke_of(stroke)));
             }
+            Shape::Moving { frames, stroke } => put(svg, &moving(frames, stroke)),
             Shape::Circle { center, radius, fill, stroke } => {
                 let fill = fill.map_or(" fill=\"none\"".to_owned(), fill_of);
                 let stroke = stroke.as_ref().map(stroke_of).unwrap_or_default();
@@ -72,6 +78,22 @@ fn write_shapes(svg: &mut String, shapes: &[Shape], clips: &mut usize) {
 fn put(svg: &mut String, element: &str) {
     svg.push_str(element);
     svg.push('\n');
+}
+
+/// A path whose points are animated (SMIL, so without a script): evenly through the frames, then still.
+fn moving(frames: &[Vec<Pixel>], stroke: &Stroke) -> String {
+    let data: Vec<String> = frames.iter().map(|points| path_data(points, false)).collect();
+    let Some(last) = data.last() else { return String::new() };
+    let moves = (data.len() - 1).max(1) as f64;
+    let times = (0..data.len()).map(|i| format!("{:.4}", MOVES * i as f64 / moves));
+    let times: Vec<String> = times.chain(["1".into()]).collect();
+    format!(
+        "<path d=\"{last}\" fill=\"none\"{}><animate attributeName=\"d\" dur=\"{SECONDS}s\" \
+         repeatCount=\"indefinite\" keyTimes=\"{}\" values=\"{};{last}\"/></path>",
+        stroke_of(stroke),
+        times.join(";"),
+        data.join(";"),
+    )
 }
 
 fn text_element(text: &Text) -> String {

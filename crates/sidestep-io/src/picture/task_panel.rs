@@ -21,6 +21,8 @@ struct Layer {
     trajectories: Vec<Trajectory>,
     dashed: bool,
     fan: bool,
+    /// Whether the trajectories are shown one after the other.
+    moving: bool,
 }
 
 /// A task's world from above: bounds, obstacles, grid, start and goal, and what was planned.
@@ -85,6 +87,19 @@ impl TaskPanel {
         self.layer(label.into(), color, iterates.to_vec(), false, true)
     }
 
+    /// Shows the iterates of an optimizer one after the other, in a picture that can move; in others the
+    /// last. Panels of as many iterates keep in step.
+    pub fn motion_in(
+        mut self,
+        label: impl Into<String>,
+        iterates: &[Trajectory],
+        color: Color,
+    ) -> Self {
+        self = self.layer(label.into(), color, iterates.to_vec(), false, false);
+        self.layers.iter_mut().rev().take(1).for_each(|layer| layer.moving = true);
+        self
+    }
+
     /// Shades the free field by a value of each point, such as its distance to the obstacles: the
     /// lowest value darkest, the highest nearly white, in steps that read as contour lines.
     pub fn shade(mut self, value: impl Fn(Point) -> f64) -> Self {
@@ -106,7 +121,7 @@ impl TaskPanel {
         dashed: bool,
         fan: bool,
     ) -> Self {
-        self.layers.push(Layer { label, color, trajectories, dashed, fan });
+        self.layers.push(Layer { label, color, trajectories, dashed, fan, moving: false });
         self.colors_used += 1;
         self
     }
@@ -146,7 +161,9 @@ impl TaskPanel {
                 draw_obstacle(canvas, &view, obstacle);
             }
             // Over the obstacles, so that a collision shows.
-            for layer in self.layers.iter().filter(|layer| self.swept && !layer.fan) {
+            for layer in
+                self.layers.iter().filter(|layer| self.swept && !layer.fan && !layer.moving)
+            {
                 self.draw_sweep(canvas, &view, layer);
             }
             for layer in &self.layers {
@@ -216,6 +233,15 @@ fn draw_obstacle(canvas: &mut Canvas, view: &View, obstacle: &Obstacle) {
 }
 
 fn draw_layer(canvas: &mut Canvas, view: &View, layer: &Layer) {
+    if layer.moving {
+        let frames: Vec<Vec<Pixel>> =
+            layer.trajectories.iter().map(|trajectory| view.pixels(points(trajectory))).collect();
+        let rim = Stroke::new(WHITE.with_opacity(0.85), 4.5);
+        for stroke in [rim, Stroke::new(layer.color, 2.5)] {
+            canvas.shapes.push(Shape::Moving { frames: frames.clone(), stroke });
+        }
+        return;
+    }
     let last = layer.trajectories.len().saturating_sub(1);
     for (i, trajectory) in layer.trajectories.iter().enumerate() {
         let line = view.pixels(points(trajectory));
