@@ -138,6 +138,10 @@ fn run(cli: Cli) -> Result<u8, Failure> {
         Verb::Table(args) => table::run(&args, global).map(done),
         Verb::Experiment(args) => experiment::run(&args, global).map(done),
         Verb::Train(args) => train::run(&args, global),
-        Verb::Oracle(args) => oracle::run(&args, global).map(done),
+        Verb::Shortest(args) => shortest::run(&args, global).map(done),
+        Verb::Planners(_) => planners::run(global).map(done),
+        Verb::Info(args) => info::run(&args, global).map(done),
+        Verb::Completions(args) => completions::run(&args, Cli::command(), global).map(done),
+        Verb::Man(args) => completions::manual(&args, Cli::command(), global).map(done),
     }
 }

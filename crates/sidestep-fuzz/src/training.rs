@@ -18,6 +18,6 @@ pub fn names(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let none = |_: &str| Err(InvalidInput::new("policy", "none", "a file"));
     told(parse_planner(&text, &mut { none }));
-    told(Profile::named(&text));
-    told(StartStrategy::named(&text));
+    told(text.parse::<Profile>());
+    told(text.parse::<StartStrategy>());
 }

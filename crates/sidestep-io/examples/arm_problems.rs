@@ -200,8 +200,7 @@ fn solve(
         best = best.min(begin.elapsed().as_secs_f64() * 1e6);
         let Some(path) = plan.certified().cloned() else { continue };
         let begin = Instant::now();
-        let mut segments = path.segments();
-        let free = segments.all(|(from, to)| certifier.motion_is_free(from, to, &mut work));
+        let free = path.segments().all(|(from, to)| certifier.motion_is_free(from, to, &mut work));
         proof = proof.min(begin.elapsed().as_secs_f64() * 1e6);
         assert!(free, "problem {index}: a plan that is not proved");
         solved = Some(path);

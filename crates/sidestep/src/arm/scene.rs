@@ -21,6 +21,7 @@ pub struct ArmScene {
     limits: Vec<[f64; 2]>,
     normalised_limits: Vec<[f32; 2]>,
     /// Buffers of those who asked before; as many as ever asked at once.
+    #[allow(clippy::vec_box, reason = "each question moves one out and in")]
     idle: Mutex<Vec<Box<Room>>>,
 }
 
@@ -160,6 +161,13 @@ impl ArmScene {
             }
             all
         })
+    }
+
+    /// Whether the robot may move along a trajectory: [`Self::check`] without a reason.
+    pub fn is_free(&self, trajectory: &Trajectory) -> bool {
+        let Some(first) = trajectory.configurations().next() else { return false };
+        let free = |(from, to): (&[f64], &[f64])| self.motion_is_free(from, to);
+        self.motion_is_free(first, first) && trajectory.segments().all(free)
     }
 
     /// Checks a trajectory, its ends first.

@@ -8,13 +8,10 @@
 //! 4. The shortest path made smooth ([`crate::plan::smooth`]).
 //! 5. The shortest path itself.
 //!
-//! Robots that the exact search knows nothing of have no steps 3 to 5: where the optimizers fail, RRT-Connect follows, and
-//! its path is made smooth. The shipped policies are for the plane, so Adam stands in for them there.
-//!
 //! So every task is answered that the exact search decides in the time that there is, and no plan is longer than
 //! [`LONGEST`] times the shortest. Where the search does not decide, the thorough optimizer from random starts follows.
 //!
-//! For robots with joints there is no exact path: `jointed` goes on after the straight line.
+//! The exact search knows nothing of robots with joints, nor do the shipped policies: `jointed` plans for them.
 
 use crate::error::InvalidInput;
 use crate::optimizer::Method;
@@ -23,7 +20,6 @@ use crate::plan::exact::shortest;
 use crate::plan::jointed;
 use crate::plan::optimize::optimize;
 use crate::plan::options::{Options, Stop, Watch};
-use crate::plan::rrt_connect::{RrtConnect, tree};
 use crate::plan::smooth::{Smooth, smooth};
 use crate::policy::shipped;
 use crate::scene::Query;
@@ -35,8 +31,6 @@ pub const LONGEST: f64 = 1.2;
 const QUICK_STEPS: usize = 24;
 /// Steps of a learned optimizer from each of several starts: it is through after a few, or hardly ever.
 const LEARNED_STEPS: usize = 40;
-/// Step of Adam where no policy serves the robot, in normalised units.
-const ADAM_STEP: f32 = 0.1;
 /// Starts that are tried at least where the exact search does not decide.
 const STARTS: usize = 5;
 
@@ -86,11 +80,9 @@ impl Auto {
             plan.certified().is_some_and(|path| path.length() <= LONGEST * shortest)
         };
         let with = |method: &Method, most: usize, starts: usize| {
-            let adam = Method::Adam { step: ADAM_STEP };
-            let (method, steps) = match method {
-                Method::Learned(_) if query.scene().plane().is_none() => (&adam, options.steps),
-                Method::Learned(_) => (method, options.steps.min(most)),
-                _ => (method, options.steps),
+            let steps = match method {
+                Method::Learned(_) => options.steps.min(most),
+                _ => options.steps,
             };
             optimize(query, method, &Options { steps, starts, ..options.clone() }, watch)
         };
@@ -103,16 +95,7 @@ impl Auto {
             return Ok(optimized);
         }
         let Some(exact) = shortest(query, watch) else {
-            // Nothing says how much of a detour it is, nor that there is no path.
-            if optimized.is_solved() {
-                return Ok(optimized);
-            }
-            let found = tree(query, &RrtConnect::default(), options, watch);
-            let Some(path) = found.certified() else {
-                return Ok(Plan { attempt: optimized.attempt, ..found });
-            };
-            let smooth = smoothed(query, path, Origin::SmoothTree, options, watch)?;
-            return Ok(smooth.unwrap_or(found));
+            return Ok(optimized);
         };
         let Some(path) = exact.certified() else {
             return match exact.status {
@@ -132,7 +115,7 @@ impl Auto {
 }
 
 /// A certified path made smooth, where that works.
-fn smoothed(
+pub(super) fn smoothed(
     query: &Query,
     path: &Trajectory,
     origin: Origin,

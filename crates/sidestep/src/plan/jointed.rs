@@ -2,11 +2,12 @@
 //! RRT-Connect; short cuts on what is found.
 //!
 //! Nothing is promised about the length, and a failure proves nothing. Where the best plan is asked for, as many ways are
-//! looked for as there are starts (trees go the wrong way round as often as not), and the shortest is the answer.
+//! looked for as there are starts (trees go the wrong way round as often as not), and the shortest is made smooth.
 
 use crate::error::InvalidInput;
 use crate::optimizer::Method;
 use crate::plan::answer::{Origin, Plan, Reason, Status};
+use crate::plan::auto::smoothed;
 use crate::plan::optimize::optimize;
 use crate::plan::options::{Options, Stop, Watch};
 use crate::plan::rrt_connect::{RrtConnect, RrtRun, shortcut};
@@ -57,12 +58,14 @@ pub(super) fn plan(
             best = Some(Plan::of(query, path, optimized.steps, Origin::Tree));
         }
     }
-    Ok(best.unwrap_or_else(|| {
+    let Some(best) = best else {
         let status = Status::Unsolved(Reason::SamplesSpent { samples: spent });
-        Plan {
-            attempt: optimized.attempt,
-            steps: optimized.steps,
-            ..Plan::none(status, Origin::Tree)
-        }
-    }))
+        let none = Plan::none(status, Origin::Tree);
+        return Ok(Plan { attempt: optimized.attempt, steps: optimized.steps, ..none });
+    };
+    let smooth = match (options.stop, best.certified()) {
+        (Stop::Best, Some(path)) => smoothed(query, path, Origin::SmoothTree, options, watch)?,
+        _ => None,
+    };
+    Ok(smooth.unwrap_or(best))
 }

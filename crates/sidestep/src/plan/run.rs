@@ -40,8 +40,6 @@ pub struct Run {
     pub first_feasible: Option<usize>,
     /// Whether the last iterate passes the profile's check.
     pub feasible_at_end: bool,
-    /// Whether the run ended because the optimizer's next iterate was no trajectory.
-    pub diverged: bool,
     /// First iterate that the exact certificate passes.
     pub first_certified: Option<usize>,
     /// The certified iterate of least U.
@@ -63,12 +61,8 @@ pub struct Best {
     pub waypoints: Vec<f32>,
 }
 
-/// Normalised coordinates beyond this, or that are no numbers, are no trajectory: 150,000 fields away.
-const FARTHEST: f32 = 1e6;
-
-/// Walks `x` downhill for at most `steps` steps; `x` ends at the last iterate, the last one before the
-/// optimizer diverged if it did. `watch` sees each
-/// iterate and may break off.
+/// Walks `x` downhill for at most `steps` steps; `x` ends at the last iterate, and is finite if it was
+/// before. `watch` sees each iterate and may break off.
 pub fn run(
     objective: &mut Objective,
     optimizer: &mut Optimizer,

@@ -29,6 +29,10 @@ use crate::trajectory::{Trajectory, Violation};
 /// A robot, its surroundings and a profile, prepared for every query there.
 #[derive(Debug)]
 #[non_exhaustive]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "made once and shared; the plane's is read without a detour"
+)]
 pub enum Scene {
     /// A point or disc in the plane.
     Plane(PlaneScene),
@@ -243,6 +247,7 @@ impl Scene {
     pub fn is_free(&self, trajectory: &Trajectory) -> bool {
         match self {
             Self::Plane(plane) => plane.certifier().is_certified(points(trajectory)),
+            Self::Arm(arm) => arm.is_free(trajectory),
         }
     }
 

@@ -66,6 +66,13 @@ struct Part {
     radius: f64,
 }
 
+/// Worlds of equal objects are equal.
+impl PartialEq for World {
+    fn eq(&self, other: &Self) -> bool {
+        self.objects == other.objects
+    }
+}
+
 impl World {
     /// A world of these objects; none at all is allowed.
     ///
