@@ -4,9 +4,14 @@
 //! tensor's shape and offsets, the data). The document lies under the key `sidestep` of the header's metadata
 //! and carries a `format` such as `sidestep.policy/1`. Reading allocates no more than a small
 //! multiple of the file's size, whatever sizes the file claims.
+//!
+//! The document's last field is a checksum: CRC-32 (ISO 3309) of the document without it, then of each tensor in the order of their
+//! names: name, shape, bytes. Files from before there were checksums still read; whoever wants none of these asks for
+//! [`Reader::require_checksum`].
 
 use std::collections::{BTreeSet, HashMap};
 
+use crc32fast::Hasher;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::Serialize;
 use serde::de::{Deserialize, DeserializeOwned};
@@ -15,6 +20,9 @@ use crate::error::InvalidInput;
 
 /// Key of the document in the header's metadata.
 const DOCUMENT: &str = "sidestep";
+
+/// How a document ends that has a checksum, up to its 8 hexadecimal digits.
+const CHECKSUM: &str = ",\"checksum\":\"crc32:";
 
 /// A tensor to be written: its name, its shape and its numbers, row-major.
 pub type Tensor<'a> = (String, Vec<usize>, &'a [f32]);
@@ -37,8 +45,40 @@ pub fn write(document: &impl Serialize, tensors: &[Tensor]) -> Result<Vec<u8>, I
         let view = TensorView::new(Dtype::F32, shape.clone(), bytes);
         views.push((name, view.map_err(|error| failed(&error))?));
     }
+    views.sort_by(|(a, _), (b, _)| a.cmp(b));
+    let sum = checksum(&text, views.iter().map(|(name, view)| (name.as_str(), view)));
+    let Some(open) = text.strip_suffix('}') else {
+        return Err(failed(&"a document that is no object"));
+    };
+    let text = format!("{open}{CHECKSUM}{sum:08x}\"}}");
     let metadata = HashMap::from([(DOCUMENT.to_string(), text)]);
     safetensors::serialize(views, Some(metadata)).map_err(|error| failed(&error))
+}
+
+/// CRC-32 of the document and of the tensors, which come in the order of their names.
+fn checksum<'a, 'b: 'a>(
+    document: &str,
+    tensors: impl Iterator<Item = (&'a str, &'a TensorView<'b>)>,
+) -> u32 {
+    let mut hasher = Hasher::new();
+    hasher.update(document.as_bytes());
+    for (name, view) in tensors {
+        hasher.update(name.as_bytes());
+        for &side in view.shape() {
+            hasher.update(&(side as u64).to_le_bytes());
+        }
+        hasher.update(view.data());
+    }
+    hasher.finalize()
+}
+
+/// The document without its checksum, and that, if it ends with one.
+fn split_checksum(text: &str) -> Option<(String, u32)> {
+    let (open, sum) = text.rsplit_once(CHECKSUM)?;
+    let digits = sum.strip_suffix("\"}")?;
+    let plain = digits.len() == 8 && digits.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
+    let sum = u32::from_str_radix(digits, 16).ok().filter(|_| plain)?;
+    Some((format!("{open}}}"), sum))
 }
 
 /// A file that is being read.
@@ -46,6 +86,7 @@ pub struct Reader<'a> {
     /// What the file should be, as in `policy`; opens every error's field.
     what: &'static str,
     document: String,
+    has_checksum: bool,
     tensors: SafeTensors<'a>,
     unread: BTreeSet<String>,
 }
@@ -54,7 +95,8 @@ impl<'a> Reader<'a> {
     /// Opens a file that should hold a `what`, whose document has the given `format`.
     ///
     /// # Errors
-    /// If the bytes are no safetensors file (truncated, oversized, inconsistent), there is no document, or its format differs.
+    /// If the bytes are no safetensors file (truncated, oversized, inconsistent), there is no document, its format differs, or
+    /// the file is not what its checksum says.
     pub fn new(bytes: &'a [u8], what: &'static str, format: &str) -> Result<Self, InvalidInput> {
         let refused = |error: &dyn std::fmt::Display| {
             InvalidInput::new(
@@ -73,8 +115,12 @@ impl<'a> Reader<'a> {
                 format!("metadata `{DOCUMENT}` with format {format}"),
             ));
         };
-        let unread = tensors.names().into_iter().map(str::to_string).collect();
-        let reader = Self { what, document, tensors, unread };
+        let unread: BTreeSet<String> = tensors.names().into_iter().map(str::to_string).collect();
+        let (document, sum) = match split_checksum(&document) {
+            Some((document, sum)) => (document, Some(sum)),
+            None => (document, None),
+        };
+        let reader = Self { what, document, has_checksum: sum.is_some(), tensors, unread };
         // The format first: a newer version may have other fields.
         #[derive(serde::Deserialize)]
         struct Head {
@@ -84,7 +130,31 @@ impl<'a> Reader<'a> {
         if head.format != format {
             return Err(InvalidInput::new(format!("{what}.format"), head.format, format));
         }
+        if let Some(expected) = sum {
+            let views: Result<Vec<_>, _> =
+                reader.unread.iter().map(|name| reader.tensors.tensor(name)).collect();
+            let views = views.map_err(|error| refused(&error))?;
+            let pairs = reader.unread.iter().map(String::as_str).zip(&views);
+            let found = checksum(&reader.document, pairs);
+            if found != expected {
+                let found = format!("a content with checksum crc32:{found:08x}");
+                let allowed = format!("crc32:{expected:08x}, as it was written; it is damaged");
+                return Err(InvalidInput::new(format!("{what} file"), found, allowed));
+            }
+        }
         Ok(reader)
+    }
+
+    /// Refuses a file without a checksum.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn require_checksum(&self) -> Result<(), InvalidInput> {
+        if self.has_checksum {
+            return Ok(());
+        }
+        let what = format!("{} file", self.what);
+        Err(InvalidInput::new(what, "a document without a checksum", "one as it was written"))
     }
 
     /// The document.
@@ -206,6 +276,39 @@ mod tests {
         assert!(reader.check_holds(2).is_ok());
         let error = reader.check_holds(3).unwrap_err().to_string();
         assert!(error.contains("test.tensors: 2 numbers"), "{error}");
+    }
+
+    #[test]
+    fn every_flipped_bit_of_a_file_is_seen() {
+        let good = file(&[1.0, 2.0]);
+        let read = |bytes: &[u8]| {
+            let mut reader = Reader::new(bytes, "test", FORMAT)?;
+            reader.require_checksum()?;
+            let values = reader.tensor("a", &[2])?;
+            let document: serde_json::Value = reader.document()?;
+            reader.finish().map(|()| (values, document))
+        };
+        let before = read(&good).unwrap();
+        for bit in 0..8 * good.len() {
+            let mut bytes = good.clone();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            // A blank of the header's padding may become another blank.
+            if let Ok(after) = read(&bytes) {
+                assert_eq!(after, before, "bit {bit} of {}", good.len());
+            }
+        }
+    }
+
+    #[test]
+    fn files_without_a_checksum_read_where_none_is_asked_for() {
+        let plain = safetensors::serialize(
+            Vec::<(String, TensorView)>::new(),
+            Some(HashMap::from([(DOCUMENT.into(), format!("{{\"format\":\"{FORMAT}\"}}"))])),
+        );
+        let plain = plain.unwrap();
+        let reader = Reader::new(&plain, "test", FORMAT).unwrap();
+        let message = reader.require_checksum().unwrap_err().to_string();
+        assert!(message.contains("without a checksum"), "{message}");
     }
 
     #[test]
