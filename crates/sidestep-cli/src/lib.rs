@@ -1,8 +1,9 @@
 //! The `sidestep` program as a library: one file per verb, and [`main_with`], which runs it. So a
 //! package for another language can carry the program without a second executable.
 //!
-//! Exit codes: 0 done, or a certified plan; 1 no certified plan, the status says why; 2 bad input
-//! or usage, or a result that could not be written. With `--json`, standard output holds one JSON
+//! Exit codes: 0 done, or a certified plan; 1 no certified plan, the status says why, or a training
+//! that diverged; 2 bad input or usage, or a result that could not be written; 130 a training that
+//! was stopped. With `--json`, standard output holds one JSON
 //! document and nothing else; progress and messages go to standard error. An output that nobody
 //! reads (a closed pipe) and messages that cannot be shown change no exit code.
 
@@ -14,6 +15,7 @@ mod failure;
 mod generate;
 mod info;
 mod input;
+mod lock;
 mod machine;
 mod obstacle;
 mod output;
@@ -130,7 +132,7 @@ fn run(cli: Cli) -> Result<u8, Failure> {
         Verb::Bench(args) => bench::run(&args, global).map(done),
         Verb::Table(args) => table::run(&args, global).map(done),
         Verb::Experiment(args) => experiment::run(&args, global).map(done),
-        Verb::Train(args) => train::run(&args, global).map(done),
+        Verb::Train(args) => train::run(&args, global),
         Verb::Shortest(args) => shortest::run(&args, global).map(done),
         Verb::Planners(_) => planners::run(global).map(done),
         Verb::Info(args) => info::run(&args, global).map(done),

@@ -1,4 +1,5 @@
-//! How good a policy is: success and iterations on tasks that it was not trained on. Which check decides is the rooms' own.
+//! How good a policy is: success and iterations on tasks that it was not trained on. Which check
+//! decides is the rooms' own.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +15,14 @@ pub struct Validation {
 }
 
 impl Validation {
+    /// Of the first feasible iterate of each task.
+    pub(crate) fn of(firsts: &[Option<usize>]) -> Self {
+        let solved = firsts.iter().flatten().count();
+        let iterations: usize = firsts.iter().flatten().sum();
+        let mean_iterations = iterations as f64 / solved.max(1) as f64;
+        Self { tasks: firsts.len(), solved, mean_iterations }
+    }
+
     /// Share of the tasks that was solved.
     pub fn success(&self) -> f64 {
         self.solved as f64 / self.tasks.max(1) as f64

@@ -1,7 +1,8 @@
-//! Golden values by PyTorch's automatic differentiation in f64 (`oracle/ppo.py`): advantages, networks, the Gaussian, whole
-//! PPO updates with every gradient, Adam, Adadelta and cloning.
+//! Golden values by PyTorch's automatic differentiation in f64 (`oracle/ppo.py`): advantages,
+//! networks, the Gaussian, whole PPO updates with every gradient, Adam, Adadelta and cloning.
 //!
-//! This code computes in f32: values agree to 2e-6 of their size plus 2e-6, and parameters after a step to 2e-7.
+//! This code computes in f32: values agree to 2e-6 of their size plus 2e-6, and parameters after a
+//! step to 2e-7.
 #![allow(clippy::unwrap_used, reason = "helpers of tests; a malformed golden file is a failure")]
 
 use serde_json::Value;
@@ -39,7 +40,8 @@ fn layers(value: &Value) -> Vec<f64> {
         .collect()
 }
 
-/// Policy, value (zeros where the file has none) and log-std, as the flat vector of an agent holds them.
+/// Policy, value (zeros where the file has none) and log-std, as the flat vector of an agent holds
+/// them.
 fn parameters(value: &Value, value_count: usize) -> Vec<f64> {
     let critic = value.get("value").map_or_else(|| vec![0.0; value_count], layers);
     [layers(&value["policy"]), critic, flat(&value["log_std"])].concat()

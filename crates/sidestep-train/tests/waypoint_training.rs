@@ -1,6 +1,9 @@
-//! The waypoint policy's training: resumes to the same bits, does not depend on threads, and learns.
+//! The waypoint policy's training: resumes to the same bits, does not depend on threads, and
+//! learns.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
+use sidestep::network::WaypointNet;
+use sidestep::policy::Policy;
 use sidestep_train::WaypointTrainer;
 use sidestep_train::waypoint::{StageConfig, StageKind, WaypointConfig};
 
@@ -43,15 +46,70 @@ fn resumed_at_any_unit_and_on_other_threads_it_ends_with_the_same_bits() {
         let mut trainer = WaypointTrainer::new(config()).unwrap();
         loop {
             let more = trainer.step().unwrap().is_some();
-            trainer = WaypointTrainer::resume(&trainer.checkpoint().unwrap()).unwrap();
+            trainer = WaypointTrainer::resume(config(), &trainer.checkpoint().unwrap()).unwrap();
             if !more {
                 return trainer.checkpoint().unwrap();
             }
         }
     });
     assert!(whole == resumed, "the checkpoints differ");
-    let error = WaypointTrainer::resume(&whole[..whole.len() / 2]).err().unwrap();
+    let error = WaypointTrainer::resume(config(), &whole[..whole.len() / 2]).err().unwrap();
     assert!(error.to_string().contains("checkpoint"), "{error}");
+}
+
+#[test]
+fn a_checkpoint_of_another_configuration_is_refused_and_more_updates_are_welcome() {
+    let state = WaypointTrainer::new(config()).unwrap().checkpoint().unwrap();
+    let resumed = |change: &dyn Fn(&mut WaypointConfig)| {
+        let mut config = config();
+        change(&mut config);
+        WaypointTrainer::resume(config, &state).map(|trainer| trainer.units().all)
+    };
+    assert_eq!(resumed(&|_| {}), Ok(3));
+    assert_eq!(resumed(&|config| config.stages[1].updates = 1000), Ok(6));
+    let check = |change: &dyn Fn(&mut WaypointConfig), expected: &str| {
+        let message = resumed(change).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    };
+    check(&|config| config.seed = 9, "seed: 9 is not allowed; expected 0, which the checkpoint");
+    check(&|config| config.stages[0].updates = 1000, "stages[0].updates: 1000");
+    check(&|config| config.network.width = 32, "network.width: 32");
+    check(&|config| config.stages.truncate(1), "stages: ");
+}
+
+#[test]
+fn divergence_is_told_and_leaves_a_state_to_go_on_from() {
+    let mut trainer = WaypointTrainer::new(config()).unwrap();
+    let shape = trainer.shape().clone();
+    // Weights that are finite, with outputs that are not.
+    let huge = vec![1e30; shape.parameter_count().unwrap()];
+    let net = WaypointNet::new(&shape, huge).unwrap();
+    let card = trainer.best_policy().unwrap().card().clone();
+    trainer.begin_from(&Policy::of_waypoints(card, net).unwrap()).unwrap();
+    let state = trainer.checkpoint().unwrap();
+    let divergence = trainer.step().unwrap_err();
+    let words = divergence.to_string();
+    assert!(words.contains("unit 1 the parameters are not finite; try a stages[0]"), "{words}");
+    assert!(trainer.checkpoint().unwrap() == state, "the training is as it was before");
+    let mut resumed = WaypointTrainer::resume(config(), &state).unwrap();
+    assert_eq!(resumed.step().unwrap_err(), divergence);
+}
+
+#[test]
+fn a_gradient_whose_square_overflows_leaves_a_training_that_resumes() {
+    let mut config = config();
+    config.stages.truncate(1);
+    config.network.action_pixels = 1000.0;
+    config.network.action_limit_pixels = 1000.0;
+    config.imitation.hinge = 100.0;
+    config.stages[0].learning_rate = 1000.0;
+    let mut trainer = WaypointTrainer::new(config.clone()).unwrap();
+    while let Some(progress) = trainer.step().unwrap() {
+        assert!(progress.gradient_norm.is_finite() && progress.loss.is_finite());
+    }
+    assert!(trainer.curve()[0].gradient_norm > 1e19, "{:?}", trainer.curve());
+    let state = trainer.checkpoint().unwrap();
+    assert!(WaypointTrainer::resume(config, &state).unwrap().checkpoint().unwrap() == state);
 }
 
 #[test]
@@ -88,6 +146,11 @@ fn bad_configurations_name_field_value_and_range() {
     check("[tasks]\nwaypoints = [9, 3]", "tasks.waypoints: [9, 3]");
     check("[validation]\nseed = 1", "validation.seed: 1");
     check("[imitation]\ntasks = 0", "imitation.tasks: 0");
+    check(
+        "[policy_gradient]\ntasks = 256\nwalks = 256\nsteps = 1000",
+        "policy_gradient.walks: 256",
+    );
+    check("[validation]\ncount = 100000", "validation.count: 100000");
     check("[policy_gradient]\nepochs = 0", "policy_gradient.epochs: 0");
     check("[policy_gradient]\nsolved = 1.5", "policy_gradient.solved: 1.5");
     check(
@@ -100,6 +163,6 @@ fn bad_configurations_name_field_value_and_range() {
     );
     check(
         "[[stages]]\nkind = \"imitation\"\nupdates = 10\nlearning_rate = 0",
-        "stages.learning_rate: 0",
+        "stages[0].learning_rate: 0",
     );
 }

@@ -1,11 +1,12 @@
-//! An experiment as data: which policies to train, on what to measure them, and the paper's numbers.
+//! An experiment as data: which policies to train, on what to measure them, and the paper's
+//! numbers.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use sidestep_train::TrainConfig;
-
-use crate::failure::Failure;
+use sidestep::InvalidInput;
+use sidestep_train::Recipe;
+use sidestep_train::config::toml_file;
 
 /// An experiment file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -69,14 +70,16 @@ pub struct Measure {
     /// Profile of planners that have none of their own.
     #[serde(default = "default_profile")]
     pub profile: String,
-    /// Whether a start is broken off once it can no longer change the first feasible and the first certified iterate of
-    /// its task. Much faster with several starts, and without end-state success.
+    /// Whether a start is broken off once it can no longer change the first feasible and the first
+    /// certified iterate of its task. Much faster with several starts, and without end-state
+    /// success.
     #[serde(default)]
     pub until_solved: bool,
 }
 
 impl Measure {
-    /// Whether the two differ in nothing but their name and number of starts, so that one race serves both.
+    /// Whether the two differ in nothing but their name and number of starts, so that one race
+    /// serves both.
     pub fn races_with(&self, other: &Self) -> bool {
         let named = Self { name: other.name.clone(), starts: other.starts, ..self.clone() };
         self.until_solved && named == *other
@@ -130,54 +133,30 @@ pub struct BaselineEntry {
 }
 
 impl Experiment {
-    /// Reads an experiment and checks that its parts fit.
-    pub fn read(text: &str) -> Result<Self, Failure> {
-        let experiment: Self = toml::from_str(text).map_err(|error| Failure(error.to_string()))?;
-        if experiment.measure.is_empty() {
-            return Err(Failure("measure: expected at least one measurement".into()));
-        }
-        if experiment.policies.iter().any(|entry| experiment.seeds(entry).is_empty()) {
-            return Err(Failure(
-                "training_seeds: expected at least one seed for the policies".into(),
-            ));
-        }
-        for measure in &experiment.measure {
-            if measure.count == 0 || measure.seeds.is_empty() {
-                return Err(Failure(format!("measure {}: needs count and seeds", measure.name)));
-            }
-        }
-        for entry in &experiment.policies {
-            experiment.train_config(entry, 0)?;
-        }
-        Ok(experiment)
-    }
-
     /// The seeds that a policy is trained with.
     pub fn seeds<'a>(&'a self, entry: &'a PolicyEntry) -> &'a [u64] {
         entry.training_seeds.as_deref().unwrap_or(&self.training_seeds)
     }
 
+    /// Every training: the index of its policy, and its seed.
+    pub fn trainings(&self) -> Vec<(usize, u64)> {
+        let policies = self.policies.iter().enumerate();
+        let seeds = |(index, entry)| self.seeds(entry).iter().map(move |&seed| (index, seed));
+        policies.flat_map(seeds).collect()
+    }
+
     /// The whole training configuration of a policy for a seed.
-    pub fn train_config(&self, entry: &PolicyEntry, seed: u64) -> Result<TrainConfig, Failure> {
+    pub fn recipe(&self, entry: &PolicyEntry, seed: u64) -> Result<Recipe, InvalidInput> {
         let mut table = self.train.clone();
-        merge(&mut table, &entry.train);
-        let text = toml::to_string(&table).map_err(|error| Failure(error.to_string()))?;
-        let place = format!("policy {} / {}", entry.row, entry.column);
-        let mut config =
-            TrainConfig::from_toml(&text).map_err(|error| Failure::at(place, error))?;
-        config.seed = seed;
-        Ok(config)
+        toml_file::merge(&mut table, &entry.train);
+        Ok(Recipe::from_table(&table)?.with_seed(seed))
     }
 }
 
-/// Puts `over` into `base`, table by table.
-fn merge(base: &mut toml::Table, over: &toml::Table) {
-    for (key, value) in over {
-        match (base.get_mut(key), value) {
-            (Some(toml::Value::Table(base)), toml::Value::Table(over)) => merge(base, over),
-            _ => {
-                base.insert(key.clone(), value.clone());
-            }
-        }
+impl PolicyEntry {
+    /// The name of the files of the training with this seed, without their extension.
+    pub fn file_name(&self, seed: u64) -> String {
+        let name = format!("{} {} seed {seed}", self.row, self.column);
+        name.replace([' ', '/', '\\', ':'], "-")
     }
 }

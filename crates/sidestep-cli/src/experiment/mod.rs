@@ -1,10 +1,12 @@
 //! `sidestep experiment`: trains and measures what a file names, and writes one report.
 //!
-//! Trainings run side by side, one per core, and are kept in the output folder: a run that was broken
-//! off goes on with those that are missing.
+//! Trainings run side by side, one per core, and are kept in the output folder: a run that was
+//! broken off goes on with those that are missing.
 
+mod check;
 pub mod config;
 pub mod report;
+mod training;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,14 +14,13 @@ use std::time::Instant;
 
 use clap::Args;
 use indicatif::ProgressBar;
-use rayon::prelude::*;
+use sidestep::Task;
 use sidestep::optimizer::Method;
 use sidestep::plan::starts::StartStrategy;
 use sidestep::plan::{Options, Planner};
-use sidestep::policy::{Policy, PolicyCard};
+use sidestep::policy::PolicyCard;
 use sidestep::profile::Profile;
 use sidestep::suite::Suite;
-use sidestep_train::Trainer;
 
 use crate::Global;
 use crate::bench::iterates::{EveryIterate, every_iterate, race};
@@ -28,12 +29,14 @@ use crate::bench::timing::us_per_iteration;
 use crate::bench::{exact_answers, statistics::mean};
 use crate::failure::Failure;
 use crate::input::read_text;
+use crate::lock::Lock;
 use crate::machine::Provenance;
 use crate::output;
-use crate::planning::{load_policy, planner};
+use crate::planning::planner;
 use crate::table;
-use config::{BaselineEntry, Experiment, Measure, PolicyEntry};
-use report::{Cell, ExperimentReport, FORMAT};
+use config::{BaselineEntry, Measure, PolicyEntry};
+use report::{Cell, ExperimentReport, FORMAT, STEPS};
+use training::{Trained, train_all};
 
 /// Tasks of each set on which iterations are timed.
 const TIMED: usize = 50;
@@ -51,9 +54,10 @@ pub struct ExperimentArgs {
 /// Trains, measures, writes `report.json` and prints its table.
 pub fn run(args: &ExperimentArgs, global: &Global) -> Result<(), Failure> {
     let begin = Instant::now();
-    let experiment = Experiment::read(&read_text(&args.experiment)?)
+    let experiment = check::read(&read_text(&args.experiment)?)
         .map_err(|Failure(message)| Failure::file(&args.experiment, message))?;
     let folder = args.out.clone().unwrap_or_else(|| Path::new("runs").join(&experiment.name));
+    let _lock = Lock::folder(&folder)?;
     std::fs::create_dir_all(folder.join("policies"))
         .map_err(|error| Failure::file(&folder, format!("cannot be made ({error})")))?;
     let trained = train_all(&experiment, &folder, global.quiet)?;
@@ -80,67 +84,6 @@ pub fn run(args: &ExperimentArgs, global: &Global) -> Result<(), Failure> {
     } else {
         output::print(&table::experiment_markdown(&report))
     }
-}
-
-/// One trained policy.
-struct Trained {
-    policy: Arc<Policy>,
-    seconds: f64,
-}
-
-/// Trains every policy for every seed, those that the folder lacks.
-fn train_all(
-    experiment: &Experiment,
-    folder: &Path,
-    quiet: bool,
-) -> Result<Vec<Vec<Trained>>, Failure> {
-    let seeds = |(index, entry)| experiment.seeds(entry).iter().map(move |&seed| (index, seed));
-    let jobs: Vec<(usize, u64)> = experiment.policies.iter().enumerate().flat_map(seeds).collect();
-    let bar = output::progress("training", jobs.len() as u64, quiet);
-    let mut trained: Vec<(usize, Trained)> = jobs
-        .into_par_iter()
-        .with_max_len(1)
-        .map(|(index, seed)| {
-            let policy = train_one(experiment, &experiment.policies[index], seed, folder)?;
-            bar.inc(1);
-            Ok((index, policy))
-        })
-        .collect::<Result<_, Failure>>()?;
-    bar.finish_and_clear();
-    let mut grouped: Vec<Vec<Trained>> = experiment.policies.iter().map(|_| Vec::new()).collect();
-    for (index, policy) in trained.drain(..) {
-        grouped[index].push(policy);
-    }
-    Ok(grouped)
-}
-
-fn train_one(
-    experiment: &Experiment,
-    entry: &PolicyEntry,
-    seed: u64,
-    folder: &Path,
-) -> Result<Trained, Failure> {
-    let config = experiment.train_config(entry, seed)?;
-    let name = format!("{} {} seed {seed}", entry.row, entry.column).replace([' ', '/', ':'], "-");
-    let path = folder.join("policies").join(format!("{name}.safetensors"));
-    let seconds_path = path.with_extension("seconds");
-    if path.exists() {
-        let policy = load_policy(&path)?;
-        let known = &policy.card().training["config"];
-        if serde_json::to_value(&config).is_ok_and(|config| *known == config) {
-            let seconds = std::fs::read_to_string(&seconds_path).unwrap_or_default();
-            let seconds = seconds.trim().parse().unwrap_or(f64::NAN);
-            return Ok(Trained { policy: Arc::new(policy), seconds });
-        }
-    }
-    let begin = Instant::now();
-    let mut trainer = Trainer::new(config)?;
-    while trainer.step().map_err(|error| Failure::at(&name, error))?.is_some() {}
-    let seconds = begin.elapsed().as_secs_f64();
-    let policy = trainer.best_policy()?;
-    output::write_file(&seconds_path, format!("{seconds}\n").as_bytes())?;
-    output::write_file(&path, &policy.to_safetensors()?)?;
-    Ok(Trained { policy: Arc::new(policy), seconds })
 }
 
 /// A measurement with its tasks drawn.
@@ -174,13 +117,18 @@ fn prepare(measures: &[Measure], quiet: bool) -> Result<Vec<Prepared<'_>>, Failu
 
 fn draw_sets(measure: &Measure, quiet: bool) -> Result<Vec<TaskSet>, Failure> {
     let suite = measure.suite.parse::<Suite>()?;
-    let bar = output::progress("tasks", (measure.count * measure.seeds.len()) as u64, quiet);
-    let draw = |&seed: &u64| {
-        let tasks = suite.generate(measure.count, seed, &Profile::PAPER);
+    let all = (measure.count * measure.seeds.len()) as u64;
+    let bar = output::progress("drawing tasks", all, quiet);
+    let draw =
+        |&seed: &u64| suite.generate_watched(measure.count, seed, &Profile::PAPER, &|| bar.inc(1));
+    let drawn: Vec<Vec<Task>> = measure.seeds.iter().map(draw).collect();
+    bar.finish_and_clear();
+    let bar = output::progress("exact shortest paths", all, quiet);
+    let set = |(tasks, seed): (Vec<Task>, &u64)| {
         let exact = exact_answers(&tasks, &bar);
         TaskSet { label: format!("seed {seed}"), tasks, exact }
     };
-    let sets = measure.seeds.iter().map(draw).collect();
+    let sets = drawn.into_iter().zip(&measure.seeds).map(set).collect();
     bar.finish_and_clear();
     Ok(sets)
 }
@@ -216,6 +164,8 @@ fn blank(row: &str, column: &str, measure: &Measure, paper: Option<f64>) -> Cell
         training_seconds: Vec::new(),
         kept_at_steps: Vec::new(),
         curves: Vec::new(),
+        curves_over: STEPS.into(),
+        solved: Vec::new(),
         time: Vec::new(),
     }
 }
@@ -231,6 +181,8 @@ fn push(cell: &mut Cell, every: &EveryIterate, sets: &[TaskSet]) {
     cell.certified.push(every.certified as f64 / tasks as f64);
     cell.certified_of_solvable.push(every.certified as f64 / solvable.max(1) as f64);
     cell.iterations.extend(mean(&every.solved_iterations()));
+    cell.solved
+        .push(every.firsts.iter().map(|first| if first.is_some() { '1' } else { '0' }).collect());
 }
 
 fn policy_cells(
@@ -272,7 +224,9 @@ fn policy_cells(
 /// The validations of a policy's training.
 fn curve(card: &PolicyCard) -> Vec<[f64; 2]> {
     let points = card.training["validation_curve"].as_array().into_iter().flatten();
-    points.filter_map(|p| Some([p["unit"].as_f64()?, p["success"].as_f64()?])).collect()
+    let point =
+        |p: &serde_json::Value| Some([p["environment_steps"].as_f64()?, p["success"].as_f64()?]);
+    points.filter_map(point).collect()
 }
 
 /// Iterations on the tasks that the policy and gradient descent (0.1) both solve within 100 steps.

@@ -57,3 +57,14 @@ pub fn progress(label: &str, total: u64, quiet: bool) -> ProgressBar {
     bar.set_prefix(label.to_string());
     bar
 }
+
+/// Something that turns on standard error while work of unknown length is done; silent as
+/// [`progress`] is.
+pub fn spinner(label: &str, quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new_spinner().with_message(label.to_string());
+    bar.enable_steady_tick(std::time::Duration::from_millis(200));
+    bar
+}

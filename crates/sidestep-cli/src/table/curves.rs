@@ -39,9 +39,10 @@ fn picture(report: &ExperimentReport) -> Option<Picture> {
         return None;
     }
     let title = format!("{}: validation in training", report.experiment.name);
+    let over = &cells[0].curves_over;
     let picture = Picture::new().title(title).columns(2);
     Some(rows.iter().fold(picture, |picture, row| {
-        let chart = Chart::new(*row, "units of training", "solved").y_range(0.0, 1.0);
+        let chart = Chart::new(*row, over, "solved").y_range(0.0, 1.0);
         let own = cells.iter().filter(|cell| cell.row == *row);
         picture.panel(own.fold(chart, |chart, cell| chart.curve(&cell.column, &band(cell))))
     }))

@@ -1,9 +1,9 @@
 //! TensorBoard event files, as far as scalars need them.
 //!
-//! A file is a sequence of TFRecords (length, masked CRC-32C of the length, data, masked CRC-32C of the
-//! data), each an `Event` protocol buffer: wall time (1, double), step (2, varint), file version
-//! (3, string) or summary (5), which holds values (1) of a tag (1) and a simple value (2, float).
-//! Source: tensorflow/core/util/event.proto and lib/io/record_writer.
+//! A file is a sequence of TFRecords (length, masked CRC-32C of the length, data, masked CRC-32C of
+//! the data), each an `Event` protocol buffer: wall time (1, double), step (2, varint), file
+//! version (3, string) or summary (5), which holds values (1) of a tag (1) and a simple value (2,
+//! float). Source: tensorflow/core/util/event.proto and lib/io/record_writer.
 
 /// The bytes of an event file under construction.
 #[derive(Default)]

@@ -150,12 +150,198 @@ fn damaged_checkpoints_and_other_configurations_are_refused() {
     let again = "train config.toml --out whole";
     check(folder.path(), again, 2, &["holds a training already", "--resume"]);
     let other = "train config.toml --out whole --resume --seed 3";
-    check(folder.path(), other, 2, &["another configuration or seed"]);
+    check(folder.path(), other, 2, &["seed: 3", "expected 0, which the checkpoint was made with"]);
     let path = folder.path().join("whole/checkpoint.safetensors");
-    let bytes = fs::read(&path).unwrap();
-    fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    let mut bytes = fs::read(&path).unwrap();
     let resume = "train config.toml --out whole --resume";
+    fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
     check(folder.path(), resume, 2, &["checkpoint.safetensors", "complete safetensors file"]);
+    let last = bytes.len() - 1;
+    bytes[last] ^= 1;
+    fs::write(&path, &bytes).unwrap();
+    check(folder.path(), resume, 2, &["checkpoint.safetensors", "checksum", "damaged"]);
+    let nowhere = "train config.toml --out nowhere --resume";
+    check(folder.path(), nowhere, 2, &["nowhere", "no checkpoint", "leave --resume out"]);
+}
+
+#[test]
+fn settings_are_set_and_a_training_begins_from_a_policy() {
+    let folder = trained_folder();
+    let set = "train config.toml --out set --set seed=0 --set training.suite=mix";
+    check(folder.path(), set, 0, &["19200 steps", "best on validation"]);
+    check_same(folder.path(), "set");
+    let wrong = "train config.toml --out x --set ppo.stps=3";
+    check(folder.path(), wrong, 2, &["config.toml with --set", "ppo.stps", "steps (the nearest"]);
+    check(folder.path(), "train config.toml --out x --set seed", 2, &["--set", "KEY=VALUE"]);
+    check(folder.path(), "train config.toml --out x --set ppo.clip=9", 2, &["ppo.clip: 9"]);
+    let init =
+        "train config.toml --out init --init whole/policy.safetensors --set cloning.epochs=0";
+    check(folder.path(), &format!("{init} --set environment_steps=800"), 0, &["800 steps"]);
+    let other = init.replace("--out init", "--out other") + " --set network.hidden=8";
+    check(folder.path(), &other, 2, &["--init: sizes: [20, 16, 16, 20]"]);
+    let last = "train config.toml --out last --set validation.count=0";
+    check(folder.path(), last, 0, &["nothing was validated"]);
+}
+
+#[test]
+fn a_folder_is_one_trainings_at_a_time() {
+    let folder = folder();
+    fs::write(folder.path().join("config.toml"), SMALL).unwrap();
+    let mut first = spawn(folder.path(), "both");
+    let lock = folder.path().join("both/.lock");
+    while fs::read_to_string(&lock).unwrap_or_default().is_empty() {
+        thread::sleep(Duration::from_millis(1));
+    }
+    let second = "train config.toml --out both";
+    let process = format!("process {}", first.id());
+    check(folder.path(), second, 2, &["both: is being written by another run", &process]);
+    // The lock of a dead process is nobody's.
+    first.kill().unwrap();
+    first.wait().unwrap();
+    assert!(spawn(folder.path(), "both").wait().unwrap().success());
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_stores_the_state_and_says_how_to_go_on() {
+    let folder = trained_folder();
+    for (round, wait) in [0, 150].into_iter().enumerate() {
+        let out = format!("stopped-{round}");
+        let child = Command::new(env!("CARGO_BIN_EXE_sidestep"))
+            .args(["train", "config.toml", "--out", &out, "--set", "environment_steps=1000000"])
+            .current_dir(folder.path())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let lock = folder.path().join(&out).join(".lock");
+        while !lock.exists() {
+            thread::sleep(Duration::from_millis(1));
+        }
+        thread::sleep(Duration::from_millis(wait));
+        let id = child.id().to_string();
+        assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        let ended = child.wait_with_output().unwrap();
+        let message = String::from_utf8(ended.stderr).unwrap();
+        assert_eq!(ended.status.code(), Some(130), "{message}");
+        assert!(message.contains("stopped after unit"), "{message}");
+        assert!(message.contains(&format!("--out {out} --resume")), "{message}");
+        let resume = format!("train {out}/config.toml --out {out} --resume");
+        let fewer = format!("{resume} --set environment_steps=19200");
+        check(folder.path(), &fewer, 2, &["environment_steps: 19200", "expected 1000000"]);
+    }
+}
+
+#[test]
+fn divergence_ends_with_a_whole_state_and_resuming_says_so_again() {
+    let folder = folder();
+    let diverging = SMALL.replace(
+        "cloning = { epochs = 2,",
+        "cloning = { epochs = 2, optimizer = \"adam\", learning_rate = 1000, prediction = \"sampled\",",
+    );
+    fs::write(folder.path().join("config.toml"), diverging).unwrap();
+    let parts = ["the training diverged: after unit", "not finite; try a", "best on validation"];
+    check(folder.path(), "train config.toml --out d", 1, &parts);
+    check(folder.path(), "train config.toml --out d --resume", 1, &parts);
+    let json = check(folder.path(), "train config.toml --out d --resume --json", 1, &[]).json();
+    assert_eq!(json["outcome"], "diverged");
+    let checkpoint = fs::read(folder.path().join("d/checkpoint.safetensors")).unwrap();
+    let text = String::from_utf8_lossy(&checkpoint);
+    assert!(text.contains("sidestep.checkpoint/2") && !text.contains("NaN"));
+}
+
+/// An experiment of seconds that trains a policy of each kind.
+const BOTH: &str = r#"
+name = "both"
+title = "Both kinds"
+training_seeds = [0]
+[[measure]]
+name = "easy"
+suite = "easy"
+count = 20
+seeds = [2]
+steps = 10
+[[policies]]
+row = "paper's"
+column = "tiny"
+paper = { easy = 50 }
+[policies.train]
+environment_steps = 400
+network.hidden = 8
+training.count = 4
+cloning.samples_per_task = 4
+ppo = { environments = 5, steps = 40 }
+validation = { count = 4, steps = 10 }
+[[policies]]
+row = "waypoint"
+column = "tiny"
+[policies.train]
+architecture = "waypoint"
+observation = ["waypoints", "probes:4x1"]
+network = { width = 16, dilations = [1] }
+imitation = { tasks = 2, steps = 1 }
+validation = { count = 3 }
+stages = [{ kind = "imitation", updates = 250, learning_rate = 1e-3 }]
+[[baselines]]
+planner = "gd"
+"#;
+
+#[test]
+fn an_experiment_trains_and_measures_both_kinds() {
+    let folder = folder();
+    fs::write(folder.path().join("both.toml"), BOTH).unwrap();
+    let line = "experiment both.toml --out both --json";
+    let report = check(folder.path(), line, 0, &[]).json();
+    let cells = report["cells"].as_array().unwrap();
+    assert_eq!(cells.len(), 3);
+    for cell in cells {
+        assert_eq!(cell["solved"][0].as_str().unwrap().len(), 20, "{cell}");
+    }
+    assert!(cells[1]["kept_at_steps"][0].as_u64().unwrap() > 0);
+    assert!(cells[1]["curves"][0][0][0].as_f64().unwrap() > 0.0);
+    // Policies that are there are not trained again.
+    let policy = folder.path().join("both/policies/waypoint-tiny-seed-0.safetensors");
+    let before = fs::metadata(&policy).unwrap().modified().unwrap();
+    check(folder.path(), line, 0, &[]);
+    assert_eq!(fs::metadata(&policy).unwrap().modified().unwrap(), before);
+    check(folder.path(), "table both/report.json", 0, &["waypoint", "`gd`"]);
+}
+
+#[test]
+fn an_experiment_is_checked_before_its_first_training() {
+    let folder = folder();
+    for (from, to, parts) in [
+        (
+            "\"easy\"\ncount",
+            "\"eazy\"\ncount",
+            &["both.toml: measure[0].suite: `eazy`", "easy"][..],
+        ),
+        ("\"gd\"", "\"gdx\"", &["both.toml: baselines[0]", "gdx"]),
+        ("count = 20", "count = 9223372036854775807", &["measure[0].count"]),
+        ("steps = 10\n[[", "steps = 9223372036854775807\n[[", &["measure[0].steps"]),
+        ("steps = 10\n[[", "starts = 0\n[[", &["measure[0].starts: 0"]),
+        ("\"both\"", "\"../both\"", &["both.toml: name"]),
+        (
+            "row = \"waypoint\"",
+            "row = \"paper's\"",
+            &["policies[1]", "policies/paper's-tiny-seed-0"],
+        ),
+    ] {
+        let text = BOTH.replacen(from, to, 1);
+        assert_ne!(text, BOTH, "{from}");
+        fs::write(folder.path().join("both.toml"), text).unwrap();
+        let outcome = check(folder.path(), "experiment both.toml --out both", 2, parts);
+        assert_eq!(outcome.stdout, "", "{to}");
+        assert!(!folder.path().join("both").exists(), "{to}");
+    }
+    fs::write(folder.path().join("both.toml"), BOTH).unwrap();
+    check(
+        folder.path(),
+        "train both.toml --out x",
+        2,
+        &["is an experiment", "sidestep experiment"],
+    );
+    fs::write(folder.path().join("config.toml"), SMALL).unwrap();
+    check(folder.path(), "experiment config.toml", 2, &["sidestep train"]);
 }
 
 #[test]
@@ -176,8 +362,8 @@ fn bad_policy_files() {
         ([&good[..], &[0; 64]].concat(), &["complete safetensors file"]),
         (vec![0xff; 4096], &["complete safetensors file"]),
         (replaced(b"sidestep.policy/1", b"sidestep.policy/9"), &["sidestep.policy/9", "policy/1"]),
-        (replaced(b"[20,16,16,20]", b"[20,16,17,20]"), &["tensors", "[17, 16]"]),
-        (not_finite, &["NaN", "finite"]),
+        (replaced(b"[20,16,16,20]", b"[20,16,17,20]"), &["checksum", "it is damaged"]),
+        (not_finite, &["checksum", "it is damaged"]),
     ];
     for (bytes, parts) in rows {
         fs::write(folder.path().join("bad.safetensors"), bytes).unwrap();

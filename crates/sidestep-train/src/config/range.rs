@@ -1,7 +1,7 @@
-//! Checks of single values; a message names the field, the value and the range.
+//! Checks of single values that a range does not describe; a message names the field, the value and
+//! what is allowed.
 
 use std::fmt::Display;
-use std::ops::RangeInclusive;
 
 use sidestep::InvalidInput;
 
@@ -12,31 +12,6 @@ pub(crate) fn refuse<T>(
     allowed: &str,
 ) -> Result<T, InvalidInput> {
     Err(InvalidInput::new(field, value, allowed))
-}
-
-/// A number in `range`.
-pub(crate) fn within<T: PartialOrd + Display>(
-    field: &str,
-    value: T,
-    range: RangeInclusive<T>,
-) -> Result<(), InvalidInput> {
-    if range.contains(&value) {
-        return Ok(());
-    }
-    let allowed = format!("a number from {} to {}", range.start(), range.end());
-    Err(InvalidInput::new(field, value, allowed))
-}
-
-/// A number in (0, `most`].
-pub(crate) fn above_zero<T: Copy + Into<f64> + Display>(
-    field: &str,
-    value: T,
-    most: f64,
-) -> Result<(), InvalidInput> {
-    if value.into() > 0.0 && value.into() <= most {
-        return Ok(());
-    }
-    Err(InvalidInput::new(field, value, format!("a number above 0 and up to {most}")))
 }
 
 /// A seed whose tasks may be trained on.

@@ -1,7 +1,8 @@
 //! From TOML text to a configuration, with errors in the user's own words.
 //!
-//! Serde's messages name neither the section nor the nearest key, so keys and kinds of values are first compared with the
-//! defaults, which know every key; what is left (names of choices, syntax) keeps the parser's message and line.
+//! Serde's messages name neither the section nor the nearest key, so keys and kinds of values are
+//! first compared with the defaults, which know every key; what is left (names of choices, syntax)
+//! keeps the parser's message and line.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -12,22 +13,57 @@ use toml::{Table, Value};
 /// Farthest that a key may be from a known one (Jaro-Winkler similarity) to be suggested.
 const SIMILAR: f64 = 0.7;
 
-/// Reads a configuration; what is left out keeps its default.
+/// The text as a table.
 ///
 /// # Errors
-/// If the text is no TOML, has an unknown key or a value of the wrong kind; the message names key, value and kind.
-pub fn parse<C: Default + Serialize + DeserializeOwned>(text: &str) -> Result<C, InvalidInput> {
-    let table: Table = toml::from_str(text).map_err(|error| plain(text, &error))?;
-    let known = serde_json::to_value(C::default())
-        .map_err(|error| InvalidInput::new("config", error, "the defaults as JSON"))?;
-    check_table("", &table, &known)?;
+/// If it is no TOML; the message names the line.
+pub fn table(text: &str) -> Result<Table, InvalidInput> {
     toml::from_str(text).map_err(|error| plain(text, &error))
 }
 
-/// The text of the key `architecture` at the top of a configuration, if there is one.
-pub fn architecture(text: &str) -> Option<String> {
-    let table: Table = toml::from_str(text).ok()?;
-    table.get("architecture").and_then(Value::as_str).map(str::to_string)
+/// Reads a configuration; what is left out keeps its default. `text` is what the table was read
+/// from, or empty.
+///
+/// # Errors
+/// If there is an unknown key or a value of the wrong kind; the message names key, value and kind.
+pub fn parse<C: Default + Serialize + DeserializeOwned>(
+    table: &Table,
+    text: &str,
+) -> Result<C, InvalidInput> {
+    let known = serde_json::to_value(C::default())
+        .map_err(|error| InvalidInput::new("config", error, "the defaults as JSON"))?;
+    check_table("", table, &known)?;
+    match text {
+        "" => table.clone().try_into(),
+        text => toml::from_str(text),
+    }
+    .map_err(|error| plain(text, &error))
+}
+
+/// Puts `over` into `base`, table by table; lists and values replace what was there.
+pub fn merge(base: &mut Table, over: &Table) {
+    for (key, value) in over {
+        match (base.get_mut(key), value) {
+            (Some(Value::Table(base)), Value::Table(over)) => merge(base, over),
+            _ => {
+                base.insert(key.clone(), value.clone());
+            }
+        }
+    }
+}
+
+/// The table of one setting `KEY=VALUE`, where the key may have dots and the value is TOML; a value
+/// that is none counts as a text.
+///
+/// # Errors
+/// If there is no `=`, or the key is none of TOML.
+pub fn setting(text: &str) -> Result<Table, InvalidInput> {
+    let refused = || InvalidInput::new("--set", text, "KEY=VALUE, such as ppo.learning_rate=1e-3");
+    let (key, value) = text.split_once('=').ok_or_else(refused)?;
+    let quoted = Value::String(value.trim().into());
+    toml::from_str(&format!("{key} = {value}"))
+        .or_else(|_| toml::from_str(&format!("{key} = {quoted}")))
+        .map_err(|_| refused())
 }
 
 /// The parser's own error, with its line.

@@ -1,8 +1,9 @@
 //! What training changes: a policy network, a value network and the log-std of the actions; and
 //! the gradient of a loss with respect to all of them, as one flat vector.
 //!
-//! The order in the flat vector is policy, value, log-std. No dense layer is shared (paper, section II.B); an image's convolutions
-//! are: they belong to the policy, and the value network reads what they make of it (section III.E).
+//! The order in the flat vector is policy, value, log-std. No dense layer is shared (paper, section
+//! II.B); an image's convolutions are: they belong to the policy, and the value network reads what
+//! they make of it (section III.E).
 
 use std::ops::Range;
 
@@ -26,7 +27,8 @@ pub struct Agent {
 }
 
 impl Agent {
-    /// A new agent with networks `[observation, hidden, hidden, actions]` and `[observation, hidden, hidden, 1]`.
+    /// A new agent with networks `[observation, hidden, hidden, actions]` and `[observation,
+    /// hidden, hidden, 1]`.
     ///
     /// # Errors
     /// If a size is 0 or too large.
@@ -44,7 +46,8 @@ impl Agent {
         Self::with_policy(policy.into(), hidden, initialization, initial_log_std, seed)
     }
 
-    /// A new agent whose policy sees `parts` of so many waypoints; its value network has hidden layers of the same size.
+    /// A new agent whose policy sees `parts` of so many waypoints; its value network has hidden
+    /// layers of the same size.
     ///
     /// # Errors
     /// If a size is 0 or too large.
@@ -74,7 +77,8 @@ impl Agent {
         Ok(Self { log_std: vec![initial_log_std; policy.outputs()], policy, value })
     }
 
-    /// The policy's means for `observations [rows x observations]`, left in `policy`, and the values, left in `value`.
+    /// The policy's means for `observations [rows x observations]`, left in `policy`, and the
+    /// values, left in `value`.
     pub fn evaluate(&self, observations: &[f32], policy: &mut Scratch, value: &mut Scratch) {
         self.policy.forward_batch(observations, policy);
         match &self.policy {
@@ -138,12 +142,12 @@ fn value_inputs(policy: &Network) -> usize {
     }
 }
 
-/// Rows per chunk. A minibatch of up to so many stays on one thread; larger ones are spread over the
-/// threads chunk by chunk and added up in order, so the bits do not depend on the threads.
+/// Rows per chunk. A minibatch of up to so many stays on one thread; larger ones are spread over
+/// the threads chunk by chunk and added up in order, so the bits do not depend on the threads.
 pub const CHUNK: usize = 64;
 
 /// Chunks in flight at once; bounds the memory of their gradients.
-const WAVE: usize = 16;
+pub const WAVE: usize = 16;
 
 /// Sums over the rows of a minibatch, for losses and diagnostics.
 pub type Sums = [f64; 4];
@@ -164,8 +168,8 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Adds the chunk's gradients to its share of the flat gradient, given the filled output gradients; a network that
-    /// was not run (`rows` 0 in its scratch) adds nothing.
+    /// Adds the chunk's gradients to its share of the flat gradient, given the filled output
+    /// gradients; a network that was not run (`rows` 0 in its scratch) adds nothing.
     pub fn backward(&mut self, agent: &Agent) {
         let [policy, value, _] = agent.split(&mut self.gradient);
         let valued = self.value.rows() > 0;
@@ -212,7 +216,8 @@ impl Gradient {
         &mut self.total
     }
 
-    /// Runs `chunk(rows, worker)` for chunks of `0..rows`, `rows > 0`, and adds up their gradients and sums in order.
+    /// Runs `chunk(rows, worker)` for chunks of `0..rows`, `rows > 0`, and adds up their gradients
+    /// and sums in order.
     pub fn accumulate(
         &mut self,
         agent: &Agent,

@@ -1,23 +1,26 @@
 //! A training's complete state as bytes, from which it goes on to the same bits.
 //!
-//! A safetensors file ([`sidestep::policy::tensors`]) with the parameters, the optimizer's moments, each environment's waypoints, observation and
-//! memory, and the best policy so far; and a document with the configuration, the counters, each environment's place in its
-//! stream, and the curve. What the configuration determines (tasks, samples, shuffles) is made again.
+//! A safetensors file ([`sidestep::policy::tensors`]) with the parameters, the optimizer's moments,
+//! each environment's waypoints, observation and memory, and the best policy so far; and a document
+//! with the configuration, the counters, each environment's place in its stream, and the curve.
+//! What the configuration determines (tasks, samples, shuffles) is made again.
 
 use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
 use sidestep::policy::tensors::{self, Reader, Tensor};
 use sidestep::policy::{network_tensors, parameter_tensors, read_network, read_parameters};
 
-use crate::environment::{Problem, Saved};
+use super::curve::{Progress, Stage};
+use super::trainer::{Best, Trainer};
+use crate::config::check_same;
+use crate::environments::{Problem, Saved};
 use crate::paper::config::TrainConfig;
 use crate::paper::stages::dagger::States;
-use crate::paper::trainer::{Best, Progress, Trainer};
 use crate::parameters::Optimizer;
 use crate::validation::Validation;
 
 /// The version of the checkpoints that this program writes and reads.
-pub const FORMAT: &str = "sidestep.checkpoint/1";
+pub const FORMAT: &str = "sidestep.checkpoint/2";
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -58,9 +61,9 @@ impl Trainer {
     /// The complete state.
     ///
     /// # Errors
-    /// If the state is no JSON, which a diverged training may be.
+    /// Never: everything in it is finite.
     pub fn checkpoint(&self) -> Result<Vec<u8>, InvalidInput> {
-        let saved: Vec<Saved> = self.environments.iter().map(|env| env.save()).collect();
+        let saved: Vec<Saved> = self.environments.all().iter().map(|env| env.save()).collect();
         let place = |saved: &Saved| Place {
             task: saved.task,
             age: saved.age,
@@ -106,15 +109,20 @@ impl Trainer {
         tensors::write(&document, &tensors)
     }
 
-    /// Goes on from a checkpoint; the configuration is the one that it holds.
+    /// Goes on from a checkpoint of this configuration, which may ask for more environment steps
+    /// than before.
     ///
     /// # Errors
-    /// If the bytes are no checkpoint of this version, or one that contradicts itself.
-    pub fn resume(bytes: &[u8]) -> Result<Self, InvalidInput> {
+    /// If the bytes are no checkpoint of this version, damaged, contradict themselves, or belong to
+    /// another configuration.
+    pub fn resume(config: TrainConfig, bytes: &[u8]) -> Result<Self, InvalidInput> {
         let mut reader = Reader::new(bytes, "checkpoint", FORMAT)?;
+        reader.require_checksum()?;
         let document: Document = reader.document()?;
-        let inside = |error: InvalidInput| error.inside("checkpoint");
-        let mut trainer = Self::new(document.config).map_err(inside)?;
+        let mut stored = document.config;
+        stored.environment_steps = stored.environment_steps.max(config.environment_steps);
+        check_same(&stored, &config)?;
+        let mut trainer = Self::new(config)?;
         let config = &trainer.setup.config;
         let (epochs, rounds) = (config.cloning.epochs as u64, config.dagger.rounds as u64);
         let (updates, capacity) = (config.updates(), config.dagger.capacity);
@@ -131,7 +139,8 @@ impl Trainer {
         }
         (trainer.epochs, trainer.updates) = (document.epochs, document.updates);
         trainer.rounds = document.rounds;
-        trainer.states = read_states(&mut reader, document.states, &trainer.problems)?;
+        trainer.states =
+            read_states(&mut reader, document.states, trainer.environments.problems())?;
         let policy_sizes = trainer.agent.policy.sizes().to_vec();
         let value_sizes = trainer.agent.value.sizes().to_vec();
         let (parts, waypoints) = (trainer.setup.parts.clone(), trainer.setup.profile.waypoints);
@@ -146,18 +155,19 @@ impl Trainer {
             [reader.tensor("optimizer.0", &[count])?, reader.tensor("optimizer.1", &[count])?];
         let kind = trainer.stage_optimizer();
         trainer.optimizer = Optimizer::resumed(kind, document.optimizer_steps, moments);
+        if trainer.stage() == Some(Stage::Ppo) && document.updates == 0 {
+            // A training that ended before PPO and is now given steps; elsewhere these moments are
+            // 0 already.
+            trainer.optimizer = Optimizer::new(kind, count);
+        }
         let best = document.best.zip(best_network);
         if let Some((BestCard { validation, environment_steps }, network)) = best {
             trainer.best = Some(Best { network, validation, environment_steps });
         }
-        let problems = &trainer.problems;
+        let memory = trainer.environments.problems()[0].encoder.memory().len();
+        let tasks = trainer.environments.problems().len();
         for (index, place) in document.environments.into_iter().enumerate() {
-            let environment = &mut trainer.environments[index];
-            let Some(problem) = problems.get(place.task) else {
-                let field = format!("checkpoint.environments[{index}].task");
-                let allowed = format!("a number below {}", problems.len());
-                return Err(InvalidInput::new(field, place.task, allowed));
-            };
+            let environment = &trainer.environments.all()[index];
             let mut read = |name: &str, length: usize| {
                 reader.tensor(&format!("environments.{index}.{name}"), &[length])
             };
@@ -167,9 +177,13 @@ impl Trainer {
                 stream_position: u128::from(place.stream_position),
                 x: read("waypoints", environment.waypoints().len())?,
                 observation: read("observation", environment.observation().len())?,
-                memory: read("memory", problem.encoder.memory().len())?,
+                memory: read("memory", memory)?,
             };
-            environment.restore(saved, problem);
+            if trainer.environments.restore(index, saved).is_none() {
+                let field = format!("checkpoint.environments[{index}].task");
+                let allowed = format!("a number below {tasks}");
+                return Err(InvalidInput::new(field, place.task, allowed));
+            }
         }
         trainer.curve = document.curve;
         reader.finish()?;

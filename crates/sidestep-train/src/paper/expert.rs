@@ -3,20 +3,22 @@
 //! - gradient descent, -γ ∂U with the profile's step (what the paper cloned) or with a tuned one;
 //! - the exact shortest path: an update towards the nearest of several routes ([`crate::routes`]).
 //!
-//! The expert answers at any trajectory, not only along its own: that is what DAgger ([`crate::paper::stages::dagger`]) and the repair of
-//! failed episodes ([`crate::paper::stages::ppo::repair`]) ask of it.
+//! The expert answers at any trajectory, not only along its own: that is what DAgger
+//! ([`crate::paper::stages::dagger`]) and the repair of failed episodes
+//! ([`crate::paper::stages::ppo::repair`]) ask of it.
 
 use std::sync::OnceLock;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sidestep::Task;
 use sidestep::policy::ActionRule;
 
-use crate::environment::Problem;
+use crate::environments::Problem;
 use crate::routes::{Target, evenly_grown, nearest};
 
 /// Who shows what to do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ExpertKind {
     /// Gradient descent with the profile's step, as the paper cloned.
@@ -29,14 +31,19 @@ pub enum ExpertKind {
 }
 
 /// Settings of the experts.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExpertConfig {
-    /// Step γ of the tuned gradient descent; 0.5 is the best on validation tasks in the paper's profile.
+    /// Step γ of the tuned gradient descent; 0.5 is the best on validation tasks in the paper's
+    /// profile.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000.0))]
     pub step: f32,
-    /// Share of the way to its route that the shortest-path expert goes in one update, before the action's limit.
+    /// Share of the way to its route that the shortest-path expert goes in one update, before the
+    /// action's limit.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1.0))]
     pub rate: f32,
     /// Alternative routes that the shortest-path expert looks for.
+    #[schemars(range(min = 0, max = 64))]
     pub alternatives: usize,
 }
 
@@ -46,7 +53,8 @@ impl Default for ExpertConfig {
     }
 }
 
-/// The experts of one training's tasks. Routes are found when first asked for; they depend on the task and the seed only.
+/// The experts of one training's tasks. Routes are found when first asked for; they depend on the
+/// task and the seed only.
 #[derive(Debug)]
 pub struct Experts {
     tasks: Vec<Task>,
@@ -63,9 +71,9 @@ impl Experts {
         Self { tasks, routes, config, rule, seed }
     }
 
-    /// Writes to `answer [N x 2]` the output that brings the policy where the expert would go from the waypoints
-    /// `x [N x 2]` of task `index`, made ready as `problem`, with the gradient of U there. Returns whether the expert has
-    /// an answer: there are no routes where there is no path.
+    /// Writes to `answer [N x 2]` the output that brings the policy where the expert would go from
+    /// the waypoints `x [N x 2]` of task `index`, made ready as `problem`, with the gradient of U
+    /// there. Returns whether the expert has an answer: there are no routes where there is no path.
     pub fn answer(
         &self,
         kind: ExpertKind,
@@ -116,7 +124,8 @@ mod tests {
     use sidestep::profile::Profile;
     use sidestep::suite::Suite;
 
-    /// Tasks of `suite` that the expert solves from the straight line in 30 updates, and those that have an answer at all.
+    /// Tasks of `suite` that the expert solves from the straight line in 30 updates, and those that
+    /// have an answer at all.
     fn solved(kind: ExpertKind, suite: Suite, profile: &Profile) -> (usize, usize) {
         let tasks = suite.generate(60, 1000, &Profile::PAPER);
         let rule = ActionRule::PAPER;

@@ -1,5 +1,6 @@
-//! The policy's distribution: a diagonal Gaussian around the network's output, with one free log-std per action coordinate
-//! that does not depend on the observation (as in Stable-Baselines3 and in detail 8 of Huang et al. 2022).
+//! The policy's distribution: a diagonal Gaussian around the network's output, with one free
+//! log-std per action coordinate that does not depend on the observation (as in Stable-Baselines3
+//! and in detail 8 of Huang et al. 2022).
 //!
 //! ```text
 //! log pi(a)  = sum_j -z_j^2 / 2 - s_j - ln(2 pi) / 2,    z_j = (a_j - m_j) exp(-s_j)
@@ -48,8 +49,8 @@ impl Density {
         self.peak - 0.5 * squares
     }
 
-    /// Writes `factor * d log_prob / d mean` to `mean_gradient` and adds `factor * d log_prob / d log_std` to
-    /// `log_std_gradient`, all `[actions]`.
+    /// Writes `factor * d log_prob / d mean` to `mean_gradient` and adds `factor * d log_prob / d
+    /// log_std` to `log_std_gradient`, all `[actions]`.
     pub fn log_prob_gradient(
         &self,
         action: &[f32],

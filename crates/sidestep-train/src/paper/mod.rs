@@ -1,8 +1,10 @@
-//! Training as in the paper: behaviour cloning of gradient descent, then PPO (section II), with DAgger between them.
+//! Training as in the paper: behaviour cloning of gradient descent, then PPO (section II), with
+//! DAgger between them.
 
 pub mod agent;
 mod checkpoint;
 pub mod config;
+mod curve;
 pub mod expert;
 pub mod gaussian;
 pub mod stages;
@@ -12,4 +14,5 @@ pub mod validation;
 pub use agent::Agent;
 pub use checkpoint::FORMAT;
 pub use config::TrainConfig;
-pub use trainer::{Best, Progress, Stage, Trainer};
+pub use curve::{Progress, Stage};
+pub use trainer::{Best, Trainer};

@@ -1,61 +1,30 @@
-//! A training, one unit at a time: epochs of cloning, rounds of DAgger, updates of PPO (paper, section II.B).
+//! A training, one unit at a time: epochs of cloning, rounds of DAgger, updates of PPO (paper,
+//! section II.B).
 //!
-//! A [`Trainer`] holds the complete state and touches neither files nor clock: the caller writes checkpoints and shows
-//! progress. A checkpoint after any unit goes on to the same bits as if nothing had happened ([`crate::paper::checkpoint`]).
+//! A [`Trainer`] holds the complete state and touches neither files nor clock: the caller writes
+//! checkpoints and shows progress. A checkpoint after any unit goes on to the same bits as if
+//! nothing had happened ([`crate::paper::checkpoint`]).
 
-use serde::{Deserialize, Serialize};
 use serde_json::json;
-use sidestep::policy::{Policy, PolicyCard};
+use sidestep::policy::{Policy, PolicyCard, PolicyNetwork};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::suite::Suite;
 use sidestep::{InvalidInput, Task, network::Network};
 
+use super::curve::{Progress, Stage};
 use crate::LICENCE;
-use crate::environment::{Environment, Problem};
+use crate::environments::{Environment, Environments, Problem, Reward};
 use crate::paper::agent::Agent;
 use crate::paper::config::{Setup, TrainConfig};
 use crate::paper::expert::Experts;
 use crate::paper::stages::cloning::{self, Samples};
 use crate::paper::stages::dagger::{self, Rate, States, Surroundings};
-use crate::paper::stages::ppo::{self, Rollout, UpdateMetrics};
+use crate::paper::stages::ppo::{self, Rollout};
 use crate::paper::validation::validate;
 use crate::parameters::{Optimizer, OptimizerKind};
+use crate::training::{Divergence, Units};
 use crate::validation::Validation;
-
-/// Which part of the training a unit belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Stage {
-    /// An epoch of behaviour cloning.
-    Cloning,
-    /// A round of DAgger: rollouts, then training on all that was met.
-    Dagger,
-    /// An update of PPO: experience from every environment, then epochs over it.
-    Ppo,
-}
-
-/// What one unit did: a point of the training curve.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Progress {
-    /// The unit's stage.
-    pub stage: Stage,
-    /// Its number within the stage, from 1.
-    pub unit: u64,
-    /// Units of the stage in all.
-    pub units: u64,
-    /// Environment steps made so far.
-    pub environment_steps: u64,
-    /// Loss of each minibatch of cloning or DAgger, in order; empty for PPO.
-    pub cloning_losses: Vec<f64>,
-    /// What the update of PPO did.
-    pub update: Option<UpdateMetrics>,
-    /// The result on the validation tasks, where this unit ended with one.
-    pub validation: Option<Validation>,
-    /// Whether that is the best so far.
-    pub is_best: bool,
-}
 
 /// The best policy on the validation tasks so far.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,12 +40,11 @@ pub struct Best {
 /// A training and its state.
 pub struct Trainer {
     pub(crate) setup: Setup,
-    pub(crate) problems: Vec<Problem>,
     pub(crate) validation: Vec<Problem>,
     pub(crate) agent: Agent,
     /// Cloning's optimizer, then PPO's.
     pub(crate) optimizer: Optimizer,
-    pub(crate) environments: Vec<Environment>,
+    pub(crate) environments: Environments,
     pub(crate) epochs: u64,
     pub(crate) rounds: u64,
     pub(crate) states: States,
@@ -98,24 +66,23 @@ impl Trainer {
         let config = &setup.config;
         // What is hard is the paper's gradient descent's to say, whatever profile is trained.
         let tasks = |suite: Suite, count, seed| suite.generate(count, seed, &Profile::PAPER);
-        let problems = |tasks: &[Task]| -> Result<Vec<Problem>, _> {
-            let (profile, waypoints) = (&setup.profile, setup.profile.waypoints);
-            tasks.iter().map(|task| Problem::new(task, profile, waypoints, &setup.parts)).collect()
-        };
         let (training, checks) = (&config.training, &config.validation);
-        let validation = problems(&tasks(setup.validation, checks.count, checks.seed))?;
+        let ready =
+            |task: &Task| Problem::new(task, &setup.profile, setup.profile.waypoints, &setup.parts);
+        let validation = tasks(setup.validation, checks.count, checks.seed);
+        let validation = validation.iter().map(ready).collect::<Result<_, _>>()?;
         let tasks = tasks(setup.training, training.count, training.seed);
-        let problems = problems(&tasks)?;
+        let (profile, count) = (&setup.profile, config.ppo.environments);
+        let environments =
+            Environments::new(&tasks, profile, &setup.parts, setup.rules, count, config.seed)?;
         let experts = Experts::new(tasks, config.expert.clone(), setup.rules.action, config.seed);
         let (waypoints, hidden) = (setup.profile.waypoints, config.network.hidden);
         let (initialization, log_std) = (config.network.initialization, config.ppo.initial_log_std);
         let (parts, seed) = (&setup.parts, config.seed);
         let agent = Agent::seeing(parts, waypoints, hidden, initialization, log_std, seed)?;
-        let environment = |index| Environment::new(index, &problems, config.seed);
         let mut trainer = Self {
-            environments: (0..config.ppo.environments).map(environment).collect(),
+            environments,
             optimizer: Optimizer::new(OptimizerKind::Adam, agent.parameter_count()),
-            problems,
             validation,
             agent,
             epochs: 0,
@@ -131,6 +98,13 @@ impl Trainer {
         };
         trainer.begin_stage();
         Ok(trainer)
+    }
+
+    /// The same training with a reward of one's own, which checkpoints do not hold: give it again
+    /// after resuming.
+    pub fn with_reward(mut self, reward: Reward) -> Self {
+        self.environments = self.environments.with_reward(reward);
+        self
     }
 
     /// The configuration.
@@ -152,10 +126,11 @@ impl Trainer {
     }
 
     /// Units made and units in all, over all stages.
-    pub fn units(&self) -> (u64, u64) {
+    pub fn units(&self) -> Units {
         let config = &self.setup.config;
         let imitation = (config.cloning.epochs + config.dagger.rounds) as u64;
-        (self.epochs + self.rounds + self.updates, imitation + config.updates())
+        let done = self.epochs + self.rounds + self.updates;
+        Units { done, all: imitation + config.updates() }
     }
 
     /// Environment steps made so far.
@@ -172,15 +147,19 @@ impl Trainer {
     /// Makes the next unit; `None` when all are done.
     ///
     /// # Errors
-    /// If the parameters are no longer finite: the learning rate is too high. The training cannot go on from there.
-    pub fn step(&mut self) -> Result<Option<Progress>, InvalidInput> {
+    /// If something is no longer finite afterwards. The training is then as it was before the unit.
+    pub fn step(&mut self) -> Result<Option<Progress>, Divergence> {
         let Some(stage) = self.stage() else { return Ok(None) };
+        let before = Before::of(self, stage);
         let mut progress = match stage {
             Stage::Cloning => self.clone_once(),
             Stage::Dagger => self.dagger_once(),
             Stage::Ppo => self.update_once(),
         };
-        self.check_finite(stage)?;
+        if let Some(divergence) = self.divergence(&progress) {
+            before.restore(self);
+            return Err(divergence);
+        }
         if progress.validation_is_due(&self.setup.config) && !self.validation.is_empty() {
             let (rule, steps) = (self.setup.rules.action, self.setup.config.validation.steps);
             let result = validate(&self.agent.policy, rule, &self.validation, steps);
@@ -192,11 +171,51 @@ impl Trainer {
                 self.best = Some(Best { network, validation: result, environment_steps });
             }
         }
-        if self.stage() != Some(stage) {
-            self.begin_stage();
+        match self.stage() {
+            // The last moments are kept, so that a training that is given more steps goes on as if
+            // it had had them.
+            None => self.forget_samples(None),
+            next if next != Some(stage) => self.begin_stage(),
+            _ => {}
         }
         self.curve.push(progress.clone());
         Ok(Some(progress))
+    }
+
+    /// Begins from the weights of `policy`; its values are not known, so the value network begins
+    /// as ever.
+    ///
+    /// # Errors
+    /// If the policy has another observation, profile, size or meaning of its output than the
+    /// configuration.
+    pub fn begin_from(&mut self, policy: &Policy) -> Result<(), InvalidInput> {
+        let (card, config) = (policy.card(), &self.setup.config);
+        let differs = |field: &str, found: String, wanted: String| {
+            let allowed = format!("{wanted}, as the configuration says");
+            Err(InvalidInput::new(format!("--init: {field}"), found, allowed))
+        };
+        let PolicyNetwork::Whole { network, .. } = policy.network() else {
+            return differs("architecture", card.architecture.clone(), "mlp or cnn".into());
+        };
+        if card.observation != config.observation {
+            let [found, wanted] = [&card.observation, &config.observation].map(|o| o.join(", "));
+            return differs("observation", found, wanted);
+        }
+        if card.profile != config.profile {
+            return differs("profile", card.profile.clone(), config.profile.clone());
+        }
+        if network.sizes() != self.agent.policy.sizes() {
+            let [found, wanted] =
+                [network.sizes(), self.agent.policy.sizes()].map(|s| format!("{s:?}"));
+            return differs("sizes", found, wanted);
+        }
+        if card.action != self.setup.rules.action {
+            let [found, wanted] =
+                [card.action, self.setup.rules.action].map(|rule| format!("{rule:?}"));
+            return differs("action", found, wanted);
+        }
+        self.agent.policy = network.clone();
+        Ok(())
     }
 
     /// The policy as it is now, with its card.
@@ -207,7 +226,8 @@ impl Trainer {
         self.card(&self.agent.policy, self.environment_steps())
     }
 
-    /// The best policy on the validation tasks so far, or the present one if there was no validation yet.
+    /// The best policy on the validation tasks so far, or the present one if there was no
+    /// validation yet.
     ///
     /// # Errors
     /// As [`Trainer::policy`].
@@ -226,25 +246,33 @@ impl Trainer {
     /// A fresh optimizer for the stage that comes.
     fn begin_stage(&mut self) {
         self.optimizer = Optimizer::new(self.stage_optimizer(), self.agent.parameter_count());
-        if self.stage() != Some(Stage::Cloning) {
+        self.forget_samples(self.stage());
+    }
+
+    /// Drops what only other stages than the next one need.
+    fn forget_samples(&mut self, next: Option<Stage>) {
+        if next != Some(Stage::Cloning) {
             self.samples = None;
         }
-        if self.stage() != Some(Stage::Dagger) {
+        if next != Some(Stage::Dagger) {
             self.states = States::default();
         }
     }
 
-    /// The kind of optimizer that the stage of the next unit uses.
+    /// The kind of optimizer of the next unit's stage, or of the last stage where all is done.
     pub(crate) fn stage_optimizer(&self) -> OptimizerKind {
+        let config = &self.setup.config;
+        let only_cloning = config.updates() == 0 && config.dagger.rounds == 0;
         match self.stage() {
-            Some(Stage::Cloning) => self.setup.config.cloning.optimizer,
+            Some(Stage::Cloning) => config.cloning.optimizer,
+            None if only_cloning => config.cloning.optimizer,
             _ => OptimizerKind::Adam,
         }
     }
 
     fn clone_once(&mut self) -> Progress {
         let (config, starts) = (&self.setup.config, self.setup.starts);
-        let problems = &self.problems;
+        let problems = self.environments.problems();
         let samples = self.samples.get_or_insert_with(|| {
             cloning::draw_samples(problems, starts, &config.cloning, config.seed)
         });
@@ -259,7 +287,7 @@ impl Trainer {
     }
 
     fn dagger_once(&mut self) -> Progress {
-        let (config, problems) = (&self.setup.config, &self.problems);
+        let (config, problems) = (&self.setup.config, self.environments.problems());
         let around = Surroundings {
             problems,
             experts: &self.experts,
@@ -289,13 +317,10 @@ impl Trainer {
     fn update_once(&mut self) -> Progress {
         let config = &self.setup.config;
         let (ppo, updates) = (&config.ppo, config.updates());
-        let (environments, problems) = (&mut self.environments, &self.problems);
-        let (rules, rollouts) = (&self.setup.rules, &mut self.rollouts);
-        ppo::collect(&self.agent, environments, problems, rules, ppo, rollouts);
+        let (environments, rollouts) = (&mut self.environments, &mut self.rollouts);
+        ppo::collect(&self.agent, environments, ppo, rollouts);
         let repair = &config.repair;
-        let rule = self.setup.rules.action;
-        let repaired =
-            ppo::repair::repair(environments, rollouts, problems, &self.experts, rule, repair);
+        let repaired = ppo::repair::repair(environments, rollouts, &self.experts, repair);
         let progress = self.updates as f64 / updates as f64;
         let learning_rate = ppo.learning_rate * ppo.schedule.factor(progress);
         let mut shuffle = stream(config.seed, Purpose::Shuffle, self.updates, 0);
@@ -328,20 +353,29 @@ impl Trainer {
         }
     }
 
-    fn check_finite(&self, stage: Stage) -> Result<(), InvalidInput> {
+    /// The divergence of the unit that was just made, if it is one.
+    fn divergence(&self, progress: &Progress) -> Option<Divergence> {
         let Agent { policy, value, log_std } = &self.agent;
-        let mut all = policy.parameters().iter().chain(value.parameters()).chain(log_std);
-        if all.all(|parameter| parameter.is_finite()) {
-            return Ok(());
+        let mut values = vec![
+            ("parameters", policy.parameters()),
+            ("parameters", value.parameters()),
+            ("parameters", log_std),
+        ];
+        values.extend(self.optimizer.moments().iter().map(|moment| ("gradients", &moment[..])));
+        for environment in self.environments.all() {
+            values.push(("trajectories", environment.waypoints()));
+            values.push(("observations", environment.observation()));
         }
         let config = &self.setup.config;
-        let (field, rate, unit) = match stage {
-            Stage::Cloning => ("cloning", config.cloning.learning_rate, self.epochs),
-            Stage::Dagger => ("dagger", config.dagger.learning_rate, self.rounds),
-            Stage::Ppo => ("ppo", config.ppo.learning_rate, self.updates),
+        let key = || {
+            let (stage, rate) = match progress.stage {
+                Stage::Cloning => ("cloning", config.cloning.learning_rate),
+                Stage::Dagger => ("dagger", config.dagger.learning_rate),
+                Stage::Ppo => ("ppo", config.ppo.learning_rate),
+            };
+            (format!("{stage}.learning_rate"), rate)
         };
-        let allowed = format!("a lower rate: after unit {unit} the parameters are not finite");
-        Err(InvalidInput::new(format!("{field}.learning_rate"), rate, allowed))
+        Divergence::find(self.units().done, &values, &progress.scalars(), key)
     }
 
     fn card(&self, network: &Network, environment_steps: u64) -> Result<Policy, InvalidInput> {
@@ -376,14 +410,34 @@ impl Trainer {
     }
 }
 
-impl Progress {
-    /// After cloning, after every so many rounds or updates, and after the last one.
-    fn validation_is_due(&self, config: &TrainConfig) -> bool {
-        match self.stage {
-            Stage::Cloning => self.unit == self.units,
-            Stage::Dagger | Stage::Ppo => {
-                self.unit == self.units || self.unit.is_multiple_of(config.validation.every)
-            }
+/// What a unit of a stage changes, as it was before.
+struct Before {
+    agent: Agent,
+    optimizer: Optimizer,
+    environments: Option<Vec<Environment>>,
+    states: Option<States>,
+    counters: [u64; 3],
+}
+
+impl Before {
+    fn of(trainer: &Trainer, stage: Stage) -> Self {
+        Self {
+            agent: trainer.agent.clone(),
+            optimizer: trainer.optimizer.clone(),
+            environments: (stage == Stage::Ppo).then(|| trainer.environments.all().to_vec()),
+            states: (stage == Stage::Dagger).then(|| trainer.states.clone()),
+            counters: [trainer.epochs, trainer.rounds, trainer.updates],
+        }
+    }
+
+    fn restore(self, trainer: &mut Trainer) {
+        (trainer.agent, trainer.optimizer) = (self.agent, self.optimizer);
+        [trainer.epochs, trainer.rounds, trainer.updates] = self.counters;
+        if let Some(environments) = self.environments {
+            trainer.environments.set_all(environments);
+        }
+        if let Some(states) = self.states {
+            trainer.states = states;
         }
     }
 }

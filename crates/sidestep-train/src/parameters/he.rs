@@ -4,8 +4,8 @@ use sidestep::InvalidInput;
 use sidestep::network::WaypointShape;
 use sidestep::rng::{Purpose, standard_normal, stream};
 
-/// He initialisation (2015) of rectified layers, outward layers at a half of it shared among the blocks, a small head; zero
-/// biases.
+/// He initialisation (2015) of rectified layers, outward layers at a half of it shared among the
+/// blocks, a small head; zero biases.
 pub fn he(shape: &WaypointShape, seed: u64) -> Result<Vec<f32>, InvalidInput> {
     let mut rng = stream(seed, Purpose::Parameters, 0, 0);
     let mut parameters = Vec::with_capacity(shape.parameter_count()?);

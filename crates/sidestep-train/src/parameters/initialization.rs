@@ -1,11 +1,13 @@
 //! Initial parameters of policy and value networks. Biases are zero throughout.
 //!
-//! The paper says "weights are initialized with identity matrix" (section II.B). Its published code sets that and then
-//! hands the networks to a library that overwrites it in every layer with the orthogonal initialisation, with the gains of
-//! detail 2 of Huang et al., "The 37 Implementation Details of PPO" (ICLR blog track 2022).
+//! The paper says "weights are initialized with identity matrix" (section II.B). Its published code
+//! sets that and then hands the networks to a library that overwrites it in every layer with the
+//! orthogonal initialisation, with the gains of detail 2 of Huang et al., "The 37 Implementation
+//! Details of PPO" (ICLR blog track 2022).
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
 use sidestep::network::{Cnn, Mlp, Network};
@@ -14,14 +16,15 @@ use sidestep::policy::observation::{ObservationPart, image_place, sizes_for};
 use sidestep::rng::standard_normal;
 
 /// How weights begin.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Initialization {
-    /// Every weight matrix is a rectangular identity: 1 where row = column, else 0 (the paper's text). It cannot learn much:
-    /// hidden units beyond the observation's length stay dead, for nothing goes into them or comes out.
+    /// Every weight matrix is a rectangular identity: 1 where row = column, else 0 (the paper's
+    /// text). It cannot learn much: hidden units beyond the observation's length stay dead, for
+    /// nothing goes into them or comes out.
     Identity,
-    /// Orthogonal rows or columns, gain sqrt(2) in hidden layers, 0.01 at the policy's head, 1 at the value's. It is what
-    /// ran when the paper's results were made, so it is the default.
+    /// Orthogonal rows or columns, gain sqrt(2) in hidden layers, 0.01 at the policy's head, 1 at
+    /// the value's. It is what ran when the paper's results were made, so it is the default.
     #[default]
     Orthogonal,
 }
@@ -70,9 +73,10 @@ impl Initialization {
 }
 
 impl Initialization {
-    /// A new policy that sees `parts` of so many waypoints, with two hidden layers. Convolutions begin uniform in
-    /// +-sqrt(6 / inputs), which keeps the variance through ReLU (He et al. 2015, doi:10.1109/ICCV.2015.123), whatever the
-    /// initialisation says of dense layers; a skip connection begins at 0.
+    /// A new policy that sees `parts` of so many waypoints, with two hidden layers. Convolutions
+    /// begin uniform in +-sqrt(6 / inputs), which keeps the variance through ReLU (He et al. 2015,
+    /// doi:10.1109/ICCV.2015.123), whatever the initialisation says of dense layers; a skip
+    /// connection begins at 0.
     ///
     /// # Errors
     /// If a size is 0 or too large.
@@ -130,7 +134,8 @@ fn orthogonal(inputs: usize, outputs: usize, gain: f64, rng: &mut ChaCha8Rng) ->
             }
         }
         let norm = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
-        // A draw in the span of the earlier ones has probability 0; draw again rather than divide by 0.
+        // A draw in the span of the earlier ones has probability 0; draw again rather than divide
+        // by 0.
         if norm > 1e-6 {
             vector.iter_mut().for_each(|v| *v /= norm);
             vectors.push(vector);

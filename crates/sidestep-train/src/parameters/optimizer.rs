@@ -7,8 +7,10 @@
 //!                              u <- rho u + (1 - rho) d^2;  p <- p - lr d
 //! ```
 //!
-//! Both carry two moments per parameter, so one state type serves both and checkpoints need not tell them apart.
+//! Both carry two moments per parameter, so one state type serves both and checkpoints need not
+//! tell them apart.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sidestep::kernels::AdamStep;
 
@@ -21,7 +23,7 @@ const RHO: f32 = 0.9;
 const ADADELTA_EPSILON: f32 = 1e-6;
 
 /// Which optimizer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum OptimizerKind {
     /// Adam with epsilon 1e-5.
@@ -61,7 +63,8 @@ impl Optimizer {
         &self.moments
     }
 
-    /// One step on consecutive `parts` of the parameters with their `gradient [parameters]`, each gradient scaled first.
+    /// One step on consecutive `parts` of the parameters with their `gradient [parameters]`, each
+    /// gradient scaled first.
     pub fn step(
         &mut self,
         learning_rate: f64,

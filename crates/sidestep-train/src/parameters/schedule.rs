@@ -1,5 +1,6 @@
 //! How learning rates change over a training.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Steps of a stage over which the learning rate rises.
@@ -8,7 +9,7 @@ const WARM_UP: f64 = 500.0;
 const LAST_RATE: f64 = 0.02;
 
 /// How the learning rate falls over the training.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Schedule {
     /// Not at all.

@@ -1,9 +1,11 @@
-//! Routes of a task as trajectories of N waypoints: the exact shortest path, and different ways round.
+//! Routes of a task as trajectories of N waypoints: the exact shortest path, and different ways
+//! round.
 //!
-//! Paths are found among obstacles that are grown by a margin, the largest of `MARGINS` that makes the path little longer
-//! than the shortest one, so that what learns from them does not scrape along obstacles. An alternative
-//! leads through a random via-point and is then pulled taut; it is kept if it is not much longer and differs from the others.
-//! A path becomes waypoints by spreading them evenly, and where that would cut a corner, by putting one on every corner.
+//! Paths are found among obstacles that are grown by a margin, the largest of `MARGINS` that makes
+//! the path little longer than the shortest one, so that what learns from them does not scrape
+//! along obstacles. An alternative leads through a random via-point and is then pulled taut; it is
+//! kept if it is not much longer and differs from the others. A path becomes waypoints by spreading
+//! them evenly, and where that would cut a corner, by putting one on every corner.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -15,23 +17,18 @@ use sidestep::rng::{Purpose, stream};
 use sidestep::trajectory::waypoints::polyline;
 use sidestep::{Obstacle, PlaneTask, Robot, Route, ShortestPath, Trajectory, World};
 
-use super::{Target, mean_distance};
+use super::{
+    ALTERNATIVE_ROOM, ALTERNATIVE_STRETCH, DIFFERENT, MARGINS, ROOM, SLACK, STRETCH, Target,
+    mean_distance,
+};
 
-/// Margins to obstacles in 64ths of the field (pixels of the paper's), tried in this order.
-const MARGINS: [f64; 5] = [2.5, 1.5, 0.8, 0.35, 0.05];
-/// A margin m is taken if its path is no longer than `STRETCH L + SLACK m + ROOM` pixels, L being the shortest.
-const STRETCH: f64 = 1.12;
-const SLACK: f64 = 4.0;
-const ROOM: f64 = 2.0;
-/// An alternative may be as long as `1.6 L + 12` pixels.
-const ALTERNATIVE_STRETCH: f64 = 1.6;
-const ALTERNATIVE_ROOM: f64 = 12.0;
-/// Mean distance of waypoints, in normalised units (5 pixels), from which on two routes are different.
-const DIFFERENT: f32 = 0.5;
+/// Pixels of the paper's field (64ths of any field) in a normalised unit.
+const PIXELS: f64 = 10.0;
 /// Via-points drawn for each alternative wanted.
 const DRAWS: usize = 4;
 
-/// The routes of a task, the shortest first; none where there is no path or none that N waypoints can follow.
+/// The routes of a task, the shortest first; none where there is no path or none that N waypoints
+/// can follow.
 pub fn find(
     task: PlaneTask<'_>,
     objective: &Objective,
@@ -53,12 +50,12 @@ pub fn find(
         }
     };
     let mut search: Option<ShortestPath> = None;
-    for margin in MARGINS {
+    for margin in MARGINS.map(|margin| PIXELS * margin) {
         let mut grown = grown(task, margin * pixel);
         let Route::Found { trajectory, length, .. } = grown.find(task.start, task.goal) else {
             continue;
         };
-        if length <= STRETCH * shortest + (SLACK * margin + ROOM) * pixel {
+        if length <= STRETCH * shortest + (SLACK * margin + PIXELS * ROOM) * pixel {
             keep(&mut targets, points(&trajectory));
             if !targets.is_empty() {
                 search = Some(grown);
@@ -74,7 +71,7 @@ pub fn find(
     }
     let Some(mut search) = search else { return targets };
     let mut rng = stream(seed, Purpose::Expert, index, 0);
-    let longest = ALTERNATIVE_STRETCH * shortest + ALTERNATIVE_ROOM * pixel;
+    let longest = ALTERNATIVE_STRETCH * shortest + PIXELS * ALTERNATIVE_ROOM * pixel;
     for _ in 0..DRAWS * alternatives {
         if targets.len() > alternatives {
             break;
@@ -122,8 +119,8 @@ fn through(
     (path.length() <= longest).then(|| points(&path).to_vec())
 }
 
-/// The search among obstacles and walls that are `margin` nearer (task units). Rectangles grow to rectangles, which keeps the
-/// search exact and quick; anything else is met by a larger robot.
+/// The search among obstacles and walls that are `margin` nearer (task units). Rectangles grow to
+/// rectangles, which keeps the search exact and quick; anything else is met by a larger robot.
 fn grown(task: PlaneTask<'_>, margin: f64) -> ShortestPath {
     let world = &task.world;
     let rects: Option<Vec<Obstacle>> = world
@@ -143,8 +140,8 @@ fn grown(task: PlaneTask<'_>, margin: f64) -> ShortestPath {
     }
 }
 
-/// N waypoints along the path, feasible by the profile's check and by the certificate; none if there are more corners than
-/// waypoints or the path cannot be followed in f32.
+/// N waypoints along the path, feasible by the profile's check and by the certificate; none if
+/// there are more corners than waypoints or the path cannot be followed in f32.
 fn waypoints(points: &[Point], scene: &PlaneScene, objective: &Objective) -> Option<Vec<f32>> {
     let frame = scene.frame();
     let corners: Vec<[f32; 2]> = points.iter().map(|&p| frame.to_normalised(p)).collect();
@@ -158,8 +155,8 @@ fn waypoints(points: &[Point], scene: &PlaneScene, objective: &Objective) -> Opt
     passes(&x).then_some(x)
 }
 
-/// Puts a waypoint on every inner corner and spreads the others over the pieces, each time on the piece whose
-/// segments are longest.
+/// Puts a waypoint on every inner corner and spreads the others over the pieces, each time on the
+/// piece whose segments are longest.
 fn on_corners(corners: &[[f32; 2]], out: &mut [[f32; 2]]) -> Option<()> {
     let pieces = corners.len() - 1;
     let free = (out.len() + 1).checked_sub(pieces)?;

@@ -1,12 +1,27 @@
 //! Routes of a task as trajectories of N waypoints: what experts follow.
 //!
-//! Two ways to find them, by how obstacles are grown before the search. They shape what was trained with them, so neither
-//! replaces the other.
+//! Two ways to find them, by how obstacles are grown before the search. They shape what was trained
+//! with them, so neither replaces the other.
 
 pub mod evenly_grown;
 pub mod sparingly_grown;
 
-/// How much of a route's extra length counts against it, beside its mean distance from the trajectory.
+/// Margins to obstacles that are tried, widest first, in normalised units.
+const MARGINS: [f64; 5] = [0.25, 0.15, 0.08, 0.035, 0.005];
+/// A margin m is taken if its path is no longer than `STRETCH L + SLACK m + ROOM`, L being the
+/// shortest; normalised units.
+const STRETCH: f64 = 1.12;
+const SLACK: f64 = 4.0;
+const ROOM: f64 = 0.2;
+/// An alternative may be as long as `ALTERNATIVE_STRETCH L + ALTERNATIVE_ROOM`, in normalised
+/// units.
+const ALTERNATIVE_STRETCH: f64 = 1.6;
+const ALTERNATIVE_ROOM: f64 = 1.2;
+/// Mean distance of waypoints, in normalised units (5 pixels), from which on two routes are
+/// different.
+const DIFFERENT: f32 = 0.5;
+/// How much of a route's extra length counts against it, beside its mean distance from the
+/// trajectory.
 const EXTRA: f32 = 0.15;
 
 /// A route as an expert follows it.
@@ -18,8 +33,9 @@ pub struct Target {
     pub extra: f32,
 }
 
-/// The route nearest to the waypoints `x [N x 2]`: least mean distance plus a share of the extra length. Following the nearest
-/// and not the shortest keeps the two sides of an obstacle from averaging into it.
+/// The route nearest to the waypoints `x [N x 2]`: least mean distance plus a share of the extra
+/// length. Following the nearest and not the shortest keeps the two sides of an obstacle from
+/// averaging into it.
 pub fn nearest<'a>(targets: &'a [Target], x: &[f32]) -> Option<&'a [f32]> {
     let score = |target: &Target| mean_distance(&target.waypoints, x) + EXTRA * target.extra;
     let best = targets.iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;

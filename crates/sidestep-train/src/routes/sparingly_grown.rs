@@ -1,8 +1,9 @@
-//! The expert of imitation: trajectories along exact shortest paths, the best one and detours past other sides of obstacles.
+//! The expert of imitation: trajectories along exact shortest paths, the best one and detours past
+//! other sides of obstacles.
 //!
-//! Rectangles grow by the largest margin that makes the path little longer; where start or goal is closer to a
-//! rectangle than that, this one grows less. A shortest path among the grown rectangles is resampled to the waypoints.
-//! Alternatives go through random via-points and are pulled taut.
+//! Rectangles grow by the largest margin that makes the path little longer; where start or goal is
+//! closer to a rectangle than that, this one grows less. A shortest path among the grown rectangles
+//! is resampled to the waypoints. Alternatives go through random via-points and are pulled taut.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -11,20 +12,20 @@ use sidestep::plane::geometry::{Point, Rect, cross, distance, lerp, sub};
 use sidestep::plane::{PlaneScene, Subject, points};
 use sidestep::{Obstacle, PlaneTask, Robot, Route, ShortestPath, Trajectory, World};
 
-use super::{Target, mean_distance};
+use super::{
+    ALTERNATIVE_ROOM, ALTERNATIVE_STRETCH, DIFFERENT, MARGINS, ROOM, SLACK, STRETCH, Target,
+    mean_distance,
+};
 
-/// Margins that are tried, widest first, in normalised units.
-const MARGINS: [f64; 5] = [0.25, 0.15, 0.08, 0.035, 0.005];
 /// Random via-points per task.
 const VIA_POINTS: usize = 8;
 /// Most trajectories per task.
 const MOST: usize = 5;
-/// Two trajectories are different when their waypoints are so far apart on average, in normalised units.
-const APART: f32 = 0.5;
 /// Rounds of pulling taut before an alternative is given up.
 const PULLS: usize = 24;
 
-/// The trajectories for a task of rectangles, best first; none if the task has no solution that leaves any room.
+/// The trajectories for a task of rectangles, best first; none if the task has no solution that
+/// leaves any room.
 pub fn targets(task: PlaneTask<'_>, objective: &Objective, rng: &mut ChaCha8Rng) -> Vec<Target> {
     let Some(Subject { scene, .. }) = objective.plane() else { return Vec::new() };
     let scale = scene.frame().scale;
@@ -34,12 +35,12 @@ pub fn targets(task: PlaneTask<'_>, objective: &Objective, rng: &mut ChaCha8Rng)
     for margin in MARGINS.map(|margin| margin * scale) {
         let Some(mut grown) = Grown::new(task, margin) else { continue };
         let Some((path, length)) = grown.path(task.start, task.goal) else { continue };
-        if length > 1.12 * shortest + 4.0 * margin + 0.2 * scale {
+        if length > STRETCH * shortest + SLACK * margin + ROOM * scale {
             continue;
         }
         let Some(waypoints) = resample(&path, scene, objective.waypoints()) else { continue };
         targets.push(Target { waypoints, extra: 0.0 });
-        let most = 1.6 * length + 1.2 * scale;
+        let most = ALTERNATIVE_STRETCH * length + ALTERNATIVE_ROOM * scale;
         for _ in 0..VIA_POINTS {
             if targets.len() == MOST {
                 break;
@@ -52,7 +53,7 @@ pub fn targets(task: PlaneTask<'_>, objective: &Objective, rng: &mut ChaCha8Rng)
                 continue;
             }
             let Some(waypoints) = resample(&taut, scene, objective.waypoints()) else { continue };
-            if targets.iter().all(|other| mean_distance(&other.waypoints, &waypoints) > APART) {
+            if targets.iter().all(|other| mean_distance(&other.waypoints, &waypoints) > DIFFERENT) {
                 targets.push(Target { waypoints, extra: ((long - length) / scale) as f32 });
             }
         }
@@ -69,7 +70,8 @@ struct Grown {
 }
 
 impl Grown {
-    /// Grows by the robot's radius and `margin`, less where that would swallow start or goal; none if they are not free.
+    /// Grows by the robot's radius and `margin`, less where that would swallow start or goal; none
+    /// if they are not free.
     fn new(task: PlaneTask<'_>, margin: f64) -> Option<Self> {
         let radius = task.robot.radius();
         let room = |gap: f64| radius + margin.min(0.9 * (gap - radius)).max(0.0);
@@ -89,8 +91,8 @@ impl Grown {
         let grown = rects.clone();
         let obstacles = rects.into_iter().map(Obstacle::Rect).collect();
         let world = World::new(shrunk, obstacles, None);
-        // The search's corners lie two tolerances outside, and what is free more than one: between them, a path along the
-        // search's corners holds these in its triangles.
+        // The search's corners lie two tolerances outside, and what is free more than one: between
+        // them, a path along the search's corners holds these in its triangles.
         let hair = 1.5 * world.tolerance();
         let corners: Vec<Point> =
             grown.iter().flat_map(|rect| rect.inflated(hair).corners()).collect();
@@ -138,7 +140,8 @@ impl Grown {
         None
     }
 
-    /// The shortest way from `a` to `b` that stays on `v`'s side of what lies in the triangle a, v, b.
+    /// The shortest way from `a` to `b` that stays on `v`'s side of what lies in the triangle a, v,
+    /// b.
     fn chain(&self, a: Point, v: Point, b: Point) -> Vec<Point> {
         let side = cross(sub(b, a), sub(v, a));
         if side.abs() <= 1e-12 * distance(a, b).max(1.0) {
@@ -167,7 +170,8 @@ impl Grown {
     }
 }
 
-/// N waypoints along `path`, evenly spaced; where that would cut a corner, with waypoints at all corners.
+/// N waypoints along `path`, evenly spaced; where that would cut a corner, with waypoints at all
+/// corners.
 fn resample(path: &[Point], scene: &PlaneScene, count: usize) -> Option<Vec<f32>> {
     let free = |points: &[Point]| {
         let (start, goal) = (path[0], path[path.len() - 1]);
@@ -229,7 +233,7 @@ mod tests {
             }
             for (i, target) in targets.iter().enumerate() {
                 for other in &targets[..i] {
-                    assert!(mean_distance(&target.waypoints, &other.waypoints) > APART);
+                    assert!(mean_distance(&target.waypoints, &other.waypoints) > DIFFERENT);
                 }
             }
             solvable += usize::from(!targets.is_empty());
@@ -240,7 +244,8 @@ mod tests {
 
     #[test]
     fn taut_paths_hug_the_obstacle() {
-        // One box between start and goal: the way past its far side has exactly its two far corners.
+        // One box between start and goal: the way past its far side has exactly its two far
+        // corners.
         let rect = Rect { min: [20.0, 20.0], max: [40.0, 50.0] };
         let bounds = Rect { min: [0.0; 2], max: [64.0; 2] };
         let world = Arc::new(World::new(bounds, vec![Obstacle::Rect(rect)], None));

@@ -6,11 +6,13 @@ use sidestep::network::WaypointNet;
 use sidestep::policy::tensors::{self, Reader, Tensor};
 
 use super::config::WaypointConfig;
-use super::trainer::{WaypointBest, WaypointProgress, WaypointTrainer};
+use super::curve::WaypointProgress;
+use super::trainer::{WaypointBest, WaypointTrainer};
 use super::validation::WaypointValidation;
+use crate::config::check_same;
 
 /// The version of the checkpoints that this program writes and reads.
-pub const FORMAT: &str = "sidestep.waypoint-checkpoint/1";
+pub const FORMAT: &str = "sidestep.waypoint-checkpoint/2";
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -34,7 +36,7 @@ impl WaypointTrainer {
     /// The complete state.
     ///
     /// # Errors
-    /// If the state is no JSON, which a diverged training may be.
+    /// Never: everything in it is finite.
     pub fn checkpoint(&self) -> Result<Vec<u8>, InvalidInput> {
         let best =
             |best: &WaypointBest| BestCard { validation: best.validation, updates: best.updates };
@@ -62,14 +64,26 @@ impl WaypointTrainer {
         tensors::write(&document, &tensors)
     }
 
-    /// The training that [`WaypointTrainer::checkpoint`] wrote.
+    /// Goes on from a checkpoint of this configuration, whose last stage may ask for more updates
+    /// than before.
     ///
     /// # Errors
-    /// If the bytes are no complete checkpoint of this version, or contradict themselves.
-    pub fn resume(bytes: &[u8]) -> Result<Self, InvalidInput> {
+    /// If the bytes are no checkpoint of this version, damaged, contradict themselves, or belong to
+    /// another configuration.
+    pub fn resume(config: WaypointConfig, bytes: &[u8]) -> Result<Self, InvalidInput> {
         let mut reader = Reader::new(bytes, "checkpoint", FORMAT)?;
+        reader.require_checksum()?;
         let document: Document = reader.document()?;
-        let mut trainer = Self::new(document.config)?;
+        let mut stored = document.config;
+        if let (true, Some(last), Some(given)) = (
+            stored.stages.len() == config.stages.len(),
+            stored.stages.last_mut(),
+            config.stages.last(),
+        ) {
+            last.updates = last.updates.max(given.updates);
+        }
+        check_same(&stored, &config)?;
+        let mut trainer = Self::new(config)?;
         let count = trainer.average.len();
         let mut read = |name: &str| reader.tensor(name, &[count]);
         trainer.net = WaypointNet::new(trainer.shape(), read("parameters")?)?;
@@ -79,7 +93,7 @@ impl WaypointTrainer {
             trainer.best = Some(WaypointBest { parameters: read("best")?, validation, updates });
         }
         reader.finish()?;
-        let (_, units) = trainer.units();
+        let units = trainer.units().all;
         if document.units > units {
             let allowed = format!("up to {units}, as the configuration says");
             return Err(InvalidInput::new("checkpoint.units", document.units, allowed));

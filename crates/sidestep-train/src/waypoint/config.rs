@@ -2,6 +2,7 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sidestep::network::WaypointShape;
 use sidestep::plane::view::ViewParts;
@@ -9,11 +10,14 @@ use sidestep::profile::Profile;
 use sidestep::suite::{candidate, varied};
 use sidestep::{InvalidInput, Task};
 
-use crate::config::range::{above_zero, refuse, training_seed, validation_seed, within};
+use super::memory;
+use crate::config::check_ranges;
+use crate::config::range::{refuse, training_seed, validation_seed};
 use crate::config::toml_file;
 
-/// Everything that decides a training of the waypoint policy; the same configuration gives the same bits.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Everything that decides a training of the waypoint policy; the same configuration gives the same
+/// bits.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct WaypointConfig {
     /// `waypoint`.
@@ -37,7 +41,7 @@ pub struct WaypointConfig {
 }
 
 /// The network.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct WaypointNetworkConfig {
     /// Hidden units per waypoint, a multiple of 16.
@@ -45,29 +49,35 @@ pub struct WaypointNetworkConfig {
     /// One residual block each.
     pub dilations: Vec<usize>,
     /// Pixels (0.1 normalised units) per unit of output.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000.0))]
     pub action_pixels: f32,
     /// Largest update along and across the line from start to goal, in pixels.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000.0))]
     pub action_limit_pixels: f32,
 }
 
 /// The tasks to train on: fresh ones throughout.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TaskConfig {
-    /// Their seed: 0, or 1000 and above.
+    /// Seed of the training tasks: 0, or 1000 and above.
     pub seed: u64,
     /// Share of tasks of the suite `varied`; the others are the paper's.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub varied: f32,
     /// Share that is kept of the tasks whose straight line is free.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub direct: f32,
-    /// Share of the units of imitation, and of the tasks of policy gradient, with another number of waypoints than 10.
+    /// Share of the units of imitation, and of the tasks of policy gradient, with another number of
+    /// waypoints than 10.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub other_waypoints: f32,
-    /// Least and most of that number.
+    /// Least and most number of waypoints, where it is another than 10.
     pub waypoints: [usize; 2],
 }
 
 /// What a stage does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum StageKind {
     /// On-policy imitation of exact paths.
@@ -77,82 +87,110 @@ pub enum StageKind {
 }
 
 /// One stage: Adam from fresh moments, a learning rate with warm-up and cosine.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StageConfig {
     /// What it does.
     pub kind: StageKind,
     /// Optimizer steps; rounded up to whole units.
+    #[schemars(range(min = 1, max = 1_000_000_000))]
     pub updates: u64,
     /// Highest learning rate.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000.0))]
     pub learning_rate: f64,
 }
 
 /// Settings of imitation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImitationConfig {
     /// Tasks per update, with 4 trajectories each.
+    #[schemars(range(min = 1, max = 1024))]
     pub tasks: usize,
     /// Steps of every trajectory per update.
+    #[schemars(range(min = 1, max = 1000))]
     pub steps: usize,
     /// Weight of the hinge on trajectories from the straight line.
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub hinge_straight: f32,
-    /// The same on the others.
+    /// Weight of the hinge on the other trajectories.
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub hinge: f32,
     /// Probability of smooth noise after a step.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub kick_probability: f32,
-    /// Its size, in normalised units.
+    /// Size of the noise after a step, in normalised units.
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub kick: f32,
     /// Steps that a task lives.
+    #[schemars(range(min = 1, max = 100_000))]
     pub life: u32,
-    /// Steps that some live.
+    /// Steps that long-lived tasks live.
+    #[schemars(range(min = 1, max = 100_000))]
     pub long_life: u32,
-    /// Share of those.
+    /// Share of long-lived tasks.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub long_share: f32,
     /// Probability that a task is one that failed before.
+    #[schemars(range(min = 0.0, max = 0.9))]
     pub retry: f32,
 }
 
 /// Settings of policy gradient.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PolicyGradientConfig {
     /// Tasks per update.
+    #[schemars(range(min = 1, max = 256))]
     pub tasks: usize,
     /// Noisy walks per task.
+    #[schemars(range(min = 1, max = 256))]
     pub walks: usize,
     /// Steps of a walk.
+    #[schemars(range(min = 1, max = 1000))]
     pub steps: usize,
     /// Standard deviation of the first noise mode, in pixels; mode k has one k-th of it.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000.0))]
     pub noise_pixels: f32,
-    /// The return of a walk that is solved after t of T steps is 1 - haste t / T, ..
+    /// What a walk that is solved after t of T steps loses of its return of 1: this times t / T.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub haste: f32,
-    /// .. less this times its length beyond the shortest path's, as a part of that (1 at most).
+    /// What it loses for its length beyond the shortest path's, as a part of that (1 at most): this
+    /// times that.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub stretch: f32,
-    /// Share of the tasks that are walked from a random bend or via-point, and not from the straight line.
+    /// Share of the tasks that are walked from a random bend or via-point, and not from the
+    /// straight line.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub other_starts: f32,
     /// Share that is walked of the tasks that the present policy solves without noise.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub solved: f32,
     /// Weight of imitation on walks of tasks that no walk solves; 0 learns nothing from these.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub repair: f32,
     /// How often the same walks are learned from; more than once is PPO.
+    #[schemars(range(min = 1, max = 100))]
     pub epochs: usize,
     /// From the second epoch on, how far the ratio of densities may leave 1.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub clip: f32,
 }
 
 /// The tasks that choose the best policy.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct WaypointValidationConfig {
     /// Tasks of each of the suites easy and hard.
+    #[schemars(range(min = 1, max = 100_000))]
     pub count: usize,
-    /// Their seed: 7 or 17.
+    /// Seed of the validation tasks: 7 or 17.
     pub seed: u64,
     /// Units from one validation to the next.
+    #[schemars(range(min = 1, max = 1_000_000))]
     pub every: u64,
     /// Iterations per task.
+    #[schemars(range(min = 1, max = 100_000))]
     pub steps: usize,
 }
 
@@ -262,7 +300,7 @@ impl WaypointConfig {
     /// # Errors
     /// If it is no TOML, has an unknown key or a value of the wrong kind or out of range.
     pub fn from_toml(text: &str) -> Result<Self, InvalidInput> {
-        let config: Self = toml_file::parse(text)?;
+        let config: Self = toml_file::parse(&toml_file::table(text)?, text)?;
         config.check()?;
         Ok(config)
     }
@@ -285,17 +323,15 @@ impl WaypointConfig {
         };
         shape.parameter_count()?;
         self.check_numbers()?;
+        memory::check(self, &shape)?;
         Ok((view, shape))
     }
 
     fn check_numbers(&self) -> Result<(), InvalidInput> {
-        let Self { network, tasks, stages, imitation, policy_gradient, validation, .. } = self;
-        above_zero("network.action_pixels", network.action_pixels, 1000.0)?;
-        above_zero("network.action_limit_pixels", network.action_limit_pixels, 1000.0)?;
+        let Self { tasks, stages, validation, .. } = self;
+        check_ranges(self)?;
         training_seed("tasks.seed", tasks.seed)?;
-        within("tasks.varied", tasks.varied, 0.0..=1.0)?;
-        within("tasks.direct", tasks.direct, 0.0..=1.0)?;
-        within("tasks.other_waypoints", tasks.other_waypoints, 0.0..=1.0)?;
+        validation_seed("validation.seed", validation.seed)?;
         let [least, most] = tasks.waypoints;
         if !(1..=most).contains(&least) || most > 200 {
             let found = format!("[{least}, {most}]");
@@ -304,34 +340,6 @@ impl WaypointConfig {
         if stages.is_empty() {
             return refuse("stages", "none", "at least one stage");
         }
-        for stage in stages {
-            within("stages.updates", stage.updates, 1..=1_000_000_000)?;
-            above_zero("stages.learning_rate", stage.learning_rate, 1000.0)?;
-        }
-        within("imitation.tasks", imitation.tasks, 1..=1024)?;
-        within("imitation.steps", imitation.steps, 1..=1000)?;
-        within("imitation.hinge_straight", imitation.hinge_straight, 0.0..=100.0)?;
-        within("imitation.hinge", imitation.hinge, 0.0..=100.0)?;
-        within("imitation.kick_probability", imitation.kick_probability, 0.0..=1.0)?;
-        within("imitation.kick", imitation.kick, 0.0..=100.0)?;
-        within("imitation.life", imitation.life, 1..=100_000)?;
-        within("imitation.long_life", imitation.long_life, 1..=100_000)?;
-        within("imitation.long_share", imitation.long_share, 0.0..=1.0)?;
-        within("imitation.retry", imitation.retry, 0.0..=0.9)?;
-        within("policy_gradient.tasks", policy_gradient.tasks, 1..=256)?;
-        within("policy_gradient.walks", policy_gradient.walks, 1..=256)?;
-        within("policy_gradient.steps", policy_gradient.steps, 1..=1000)?;
-        above_zero("policy_gradient.noise_pixels", policy_gradient.noise_pixels, 1000.0)?;
-        within("policy_gradient.haste", policy_gradient.haste, 0.0..=1.0)?;
-        within("policy_gradient.stretch", policy_gradient.stretch, 0.0..=1.0)?;
-        within("policy_gradient.other_starts", policy_gradient.other_starts, 0.0..=1.0)?;
-        within("policy_gradient.solved", policy_gradient.solved, 0.0..=1.0)?;
-        within("policy_gradient.repair", policy_gradient.repair, 0.0..=1.0)?;
-        within("policy_gradient.epochs", policy_gradient.epochs, 1..=100)?;
-        within("policy_gradient.clip", policy_gradient.clip, 0.0..=1.0)?;
-        within("validation.count", validation.count, 1..=100_000)?;
-        validation_seed("validation.seed", validation.seed)?;
-        within("validation.every", validation.every, 1..=1_000_000)?;
-        within("validation.steps", validation.steps, 1..=100_000)
+        Ok(())
     }
 }

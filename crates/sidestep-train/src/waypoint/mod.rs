@@ -1,7 +1,11 @@
-//! Training of the waypoint policy: imitation of exact paths, then policy gradient on certified success.
+//! Training of the waypoint policy: imitation of exact paths, then policy gradient on certified
+//! success.
 
 mod checkpoint;
 mod config;
+mod curve;
+mod memory;
+mod ready;
 mod stages;
 mod trainer;
 mod validation;
@@ -10,5 +14,6 @@ pub use config::{
     ARCHITECTURE, ImitationConfig, PolicyGradientConfig, StageConfig, StageKind, TaskConfig,
     WaypointConfig, WaypointNetworkConfig, WaypointValidationConfig,
 };
-pub use trainer::{UPDATES_PER_UNIT, WaypointBest, WaypointProgress, WaypointTrainer};
+pub use curve::WaypointProgress;
+pub use trainer::{UPDATES_PER_UNIT, WaypointBest, WaypointTrainer};
 pub use validation::WaypointValidation;

@@ -1,17 +1,18 @@
-//! How good a waypoint policy is on tasks that it was not trained on: certified success from the straight line.
+//! How good a waypoint policy is on tasks that it was not trained on: certified success from the
+//! straight line.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use sidestep::Route;
 use sidestep::network::{WaypointNet, WaypointScratch};
 use sidestep::objective::Objective;
-use sidestep::plane::view::{Look, TaskMap, ViewParts, WaypointView};
+use sidestep::plane::view::ViewParts;
 use sidestep::policy::ActionRule;
 use sidestep::profile::Profile;
-use sidestep::scene::Query;
 use sidestep::suite::Suite;
+use sidestep::{Route, Task};
 
 use super::config::WaypointValidationConfig;
+use super::ready::Ready;
 use crate::validation::Validation;
 
 /// The results on the solvable tasks of the suites easy and hard.
@@ -25,7 +26,8 @@ pub struct WaypointValidation {
 }
 
 impl WaypointValidation {
-    /// The number that the best policy has most of: the share of solved tasks, easy and hard weighed alike.
+    /// The number that the best policy has most of: the share of solved tasks, easy and hard
+    /// weighed alike.
     pub fn score(&self) -> f64 {
         0.5 * (self.easy.success() + self.hard.success())
     }
@@ -36,92 +38,47 @@ impl WaypointValidation {
     }
 }
 
-/// A task made ready.
-struct Problem {
-    objective: Objective,
-    view: WaypointView,
-    map: Option<TaskMap>,
-}
-
 /// Solvable validation tasks made ready.
 pub(super) struct Tasks {
-    easy: Vec<Problem>,
-    hard: Vec<Problem>,
+    view: ViewParts,
+    easy: Vec<Ready>,
+    hard: Vec<Ready>,
 }
 
 impl Tasks {
     pub fn new(config: &WaypointValidationConfig, view: &ViewParts) -> Self {
         let ready = |suite: Suite| {
             let tasks = suite.generate(config.count, config.seed, &Profile::PAPER);
-            let problem = |task: &sidestep::Task| {
-                let query = Query::of(task, &Profile::DEFAULT);
+            let ready = |task: &Task| {
+                let query = Ready::query(task);
                 let route = query.scene().exact(query.start(), query.goal(), &|| true);
                 let Some(Route::Found { .. }) = route else { return None };
-                let objective = Objective::new(&query, Profile::DEFAULT.waypoints).ok()?;
-                let subject = objective.plane()?;
-                let map = view.map.as_ref().map(|shape| TaskMap::new(shape, subject));
-                Some(Problem {
-                    view: WaypointView::new(&view.probes, subject, Look::default()),
-                    map,
-                    objective,
-                })
+                Ready::new(view, Objective::new(&query, Profile::DEFAULT.waypoints).ok()?)
             };
-            tasks.par_iter().filter_map(problem).collect()
+            tasks.par_iter().filter_map(ready).collect()
         };
-        Self { easy: ready(Suite::Easy), hard: ready(Suite::Hard) }
+        Self { view: view.clone(), easy: ready(Suite::Easy), hard: ready(Suite::Hard) }
     }
 
+    /// The policy on every task, from the straight line, for at most `steps` iterations.
     pub fn validate(
         &self,
         net: &WaypointNet,
         rule: ActionRule,
         steps: usize,
     ) -> WaypointValidation {
-        let run = |tasks: &[Problem]| {
-            let firsts: Vec<Option<usize>> = tasks
-                .par_iter()
-                .map_init(WaypointScratch::default, |scratch, problem| {
-                    problem.first_free(net, rule, steps, scratch)
-                })
-                .collect();
-            let solved = firsts.iter().flatten().count();
-            let iterations: usize = firsts.iter().flatten().sum();
-            let mean_iterations = iterations as f64 / solved.max(1) as f64;
-            Validation { tasks: tasks.len(), solved, mean_iterations }
+        let first_free = |scratch: &mut WaypointScratch, ready: &Ready| {
+            let mut ready = ready.clone();
+            ready.read_map(net);
+            let mut x = vec![0.0; ready.objective.dim()];
+            ready.objective.straight_line(&mut x);
+            ready.first_free(ready.view(&self.view)?, x, (net, &rule), steps, scratch)
+        };
+        let run = |tasks: &[Ready]| {
+            let firsts: Vec<Option<usize>> =
+                tasks.par_iter().map_init(WaypointScratch::default, first_free).collect();
+            Validation::of(&firsts)
         };
         WaypointValidation { easy: run(&self.easy), hard: run(&self.hard) }
-    }
-}
-
-impl Problem {
-    /// The first iterate from the straight line that is free.
-    fn first_free(
-        &self,
-        net: &WaypointNet,
-        rule: ActionRule,
-        steps: usize,
-        scratch: &mut WaypointScratch,
-    ) -> Option<usize> {
-        let Self { objective, view, map } = self;
-        let (mut view, mut map) = (view.clone(), map.clone());
-        if let Some(map) = &mut map {
-            net.read_map(map.scratch());
-        }
-        let mut x = vec![0.0; objective.dim()];
-        objective.straight_line(&mut x);
-        view.reset();
-        let (waypoints, stride) = (objective.waypoints(), net.input_stride());
-        let subject = objective.plane()?;
-        let mut free = vec![false; waypoints + 1];
-        for step in 0..=steps {
-            if objective.free_segments(&x, &mut free) {
-                return Some(step);
-            }
-            let rows = scratch.input(waypoints, stride);
-            view.encode(subject, &x, &free, map.as_ref(), rows, stride);
-            net.forward(scratch, waypoints);
-            view.apply(&rule, |i| scratch.output(i), &mut x);
-        }
-        None
     }
 }

@@ -45,7 +45,7 @@ pub fn write(document: &impl Serialize, tensors: &[Tensor]) -> Result<Vec<u8>, I
         let view = TensorView::new(Dtype::F32, shape.clone(), bytes);
         views.push((name, view.map_err(|error| failed(&error))?));
     }
-    views.sort_by(|(a, _), (b, _)| a.cmp(b));
+    views.sort_by_key(|(name, _)| *name);
     let sum = checksum(&text, views.iter().map(|(name, view)| (name.as_str(), view)));
     let Some(open) = text.strip_suffix('}') else {
         return Err(failed(&"a document that is no object"));

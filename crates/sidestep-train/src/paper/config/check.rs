@@ -7,13 +7,11 @@ use sidestep::policy::observation::{ObservationPart, observation_len};
 use sidestep::profile::Profile;
 use sidestep::suite::Suite;
 
-use super::TrainConfig;
-use crate::config::range::{above_zero, refuse, training_seed, validation_seed, within};
-use crate::environment::Rules;
+use super::{TrainConfig, memory};
+use crate::config::check_ranges;
+use crate::config::range::{refuse, training_seed, validation_seed};
+use crate::environments::Rules;
 use crate::paper::stages::ppo::RepairBy;
-
-/// Most numbers in the observations of one update or of cloning (4 GB of f32).
-const MAX_NUMBERS: usize = 1 << 30;
 
 /// A configuration that has been checked, with what its names stand for.
 #[derive(Debug, Clone)]
@@ -38,13 +36,18 @@ impl Setup {
             .map(|name| name.parse::<ObservationPart>())
             .collect::<Result<_, _>>()?;
         let observation = observation_len(&parts, profile.waypoints)?;
-        check_numbers(&config)?;
-        check_sizes(&config, observation)?;
+        check_ranges(&config)?;
+        check_repair(&config)?;
+        memory::check(&config, observation, &parts, profile.waypoints)?;
         let training = match config.training.suite.as_str() {
             "easy" => Suite::Easy,
             "mix" => Suite::Mix,
-            "hard" => Suite::HardTraining,
-            other => return refuse("training.suite", other, "easy, hard or mix"),
+            // The first is how `--suite` spells it, the second how configurations did before.
+            "hard-training" | "hard" => Suite::HardTraining,
+            other => {
+                let allowed = "easy, hard-training (or hard, the same here) or mix";
+                return refuse("training.suite", other, allowed);
+            }
         };
         training_seed("training.seed", config.training.seed)?;
         validation_seed("validation.seed", config.validation.seed)?;
@@ -76,58 +79,8 @@ impl Setup {
     }
 }
 
-fn check_numbers(config: &TrainConfig) -> Result<(), InvalidInput> {
-    let TrainConfig { training, network, environment, cloning, ppo, validation, .. } = config;
-    check_imitation(config)?;
-    within("environment_steps", config.environment_steps, 0..=1_000_000_000_000)?;
-    within("training.count", training.count, 1..=1_000_000)?;
-    within("network.hidden", network.hidden, 1..=4096)?;
-    within("environment.mu", environment.mu, 0.0..=1000.0)?;
-    within("environment.feasible_bonus", environment.feasible_bonus, 0.0..=1000.0)?;
-    above_zero("environment.action_scale", environment.action_scale, 1e6)?;
-    above_zero("environment.action_limit", environment.action_limit, 1e6)?;
-    within("environment.episode_limit", environment.episode_limit.unwrap_or(1), 1..=u32::MAX)?;
-    within("cloning.epochs", cloning.epochs, 0..=1_000_000)?;
-    within("cloning.samples_per_task", cloning.samples_per_task, 1..=1_000_000)?;
-    above_zero("cloning.step", cloning.step, 1000.0)?;
-    within("cloning.minibatch", cloning.minibatch, 1..=1_000_000)?;
-    above_zero("cloning.learning_rate", cloning.learning_rate, 1000.0)?;
-    within("ppo.environments", ppo.environments, 1..=1_000_000)?;
-    within("ppo.steps", ppo.steps, 1..=1_000_000)?;
-    within("ppo.gamma", ppo.gamma, 0.0..=1.0)?;
-    within("ppo.lambda", ppo.lambda, 0.0..=1.0)?;
-    above_zero("ppo.learning_rate", ppo.learning_rate, 1.0)?;
-    within("ppo.minibatch", ppo.minibatch, 1..=1_000_000)?;
-    within("ppo.epochs", ppo.epochs, 1..=1000)?;
-    within("ppo.entropy", ppo.entropy, 0.0..=1000.0)?;
-    within("ppo.value", ppo.value, 0.0..=1000.0)?;
-    above_zero("ppo.max_gradient_norm", ppo.max_gradient_norm, 1e6)?;
-    above_zero("ppo.clip", ppo.clip, 1.0)?;
-    above_zero("ppo.target_kl", ppo.target_kl.unwrap_or(1.0), 1000.0)?;
-    within("ppo.initial_log_std", ppo.initial_log_std, -10.0..=3.0)?;
-    within("validation.count", validation.count, 0..=100_000)?;
-    within("validation.every", validation.every, 1..=1_000_000)?;
-    within("validation.steps", validation.steps, 1..=100_000)
-}
-
-fn check_imitation(config: &TrainConfig) -> Result<(), InvalidInput> {
-    let TrainConfig { dagger, expert, repair, .. } = config;
-    within("dagger.rounds", dagger.rounds, 0..=100_000)?;
-    within("dagger.rollouts", dagger.rollouts, 1..=100_000)?;
-    within("dagger.steps", dagger.steps, 1..=10_000)?;
-    within("dagger.beta", dagger.beta, 0.0..=1.0)?;
-    within("dagger.random_starts", dagger.random_starts, 0.0..=1.0)?;
-    within("dagger.noise", dagger.noise, 0.0..=1000.0)?;
-    within("dagger.capacity", dagger.capacity, 1..=4_000_000)?;
-    within("dagger.minibatches", dagger.minibatches, 1..=1_000_000)?;
-    within("dagger.minibatch", dagger.minibatch, 1..=4096)?;
-    above_zero("dagger.learning_rate", dagger.learning_rate, 1000.0)?;
-    above_zero("expert.step", expert.step, 1000.0)?;
-    above_zero("expert.rate", expert.rate, 1.0)?;
-    within("expert.alternatives", expert.alternatives, 0..=64)?;
-    within("repair.after", repair.after, 1..=u32::MAX)?;
-    within("repair.steps", repair.steps, 1..=10_000)?;
-    above_zero("repair.weight", repair.weight, 1e6)?;
+fn check_repair(config: &TrainConfig) -> Result<(), InvalidInput> {
+    let TrainConfig { repair, .. } = config;
     if repair.expert != RepairBy::None && config.environment_steps == 0 {
         return refuse(
             "repair.expert",
@@ -136,24 +89,4 @@ fn check_imitation(config: &TrainConfig) -> Result<(), InvalidInput> {
         );
     }
     Ok(())
-}
-
-/// Products that decide how much memory a training takes.
-fn check_sizes(config: &TrainConfig, observation: usize) -> Result<(), InvalidInput> {
-    let TrainConfig { training, cloning, ppo, .. } = config;
-    let check = |field: &str, rows: Option<usize>, what: &str| match rows
-        .and_then(|rows| rows.checked_mul(observation))
-    {
-        Some(numbers) if numbers <= MAX_NUMBERS => Ok(()),
-        _ => {
-            let allowed = format!("{what} x {observation} (observation) up to {MAX_NUMBERS}");
-            refuse(field, "too large a product", &allowed)
-        }
-    };
-    check("ppo.steps", ppo.environments.checked_mul(ppo.steps), "environments x steps")?;
-    if cloning.epochs == 0 {
-        return Ok(());
-    }
-    let samples = training.count.checked_mul(cloning.samples_per_task);
-    check("cloning.samples_per_task", samples, "training.count x samples_per_task")
 }

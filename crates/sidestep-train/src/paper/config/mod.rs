@@ -1,10 +1,13 @@
 //! The training configuration: plain data with the paper's values as defaults, checked once.
 //!
-//! A file may name only what differs from the defaults. An unknown key is an error that suggests the nearest known one; a value
-//! out of range is an error that names the field, the value and the range.
+//! A file may name only what differs from the defaults. An unknown key is an error that suggests
+//! the nearest known one; a value out of range is an error that names the field, the value and the
+//! range.
 
 mod check;
+mod memory;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
 
@@ -18,14 +21,16 @@ use crate::parameters::Initialization;
 pub(crate) use check::Setup;
 
 /// Everything that decides a training; the same configuration gives the same bits.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrainConfig {
     /// Seed of parameters, noise and shuffles.
     pub seed: u64,
     /// Profile of the objective: `paper` or `default`.
     pub profile: String,
-    /// Environment steps of PPO in all (the paper's "training epochs"), rounded up to whole updates; 0 for cloning alone.
+    /// Environment steps of PPO in all (the paper's "training epochs"), rounded up to whole
+    /// updates; 0 for cloning alone.
+    #[schemars(range(min = 0, max = 1_000_000_000_000_u64))]
     pub environment_steps: u64,
     /// Names of the observation's parts, in order.
     pub observation: Vec<String>,
@@ -50,58 +55,68 @@ pub struct TrainConfig {
 }
 
 /// The tasks to train on.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrainingConfig {
-    /// `easy`, `hard` (in the training version) or `mix`.
+    /// `easy`, `hard-training` (the training version of hard; `hard` says the same) or `mix`.
     pub suite: String,
     /// How many tasks.
+    #[schemars(range(min = 1, max = 1_000_000))]
     pub count: usize,
-    /// Their seed: 0, or 1000 and above; the others are for validation and tests.
+    /// Seed of the training tasks: 0, or 1000 and above; the others are for validation and tests.
     pub seed: u64,
 }
 
 /// Both networks.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct NetworkConfig {
     /// Units in each of the two hidden layers.
+    #[schemars(range(min = 1, max = 4096))]
     pub hidden: usize,
     /// How weights begin.
     pub initialization: Initialization,
 }
 
 /// The decision process.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct EnvironmentConfig {
     /// Factor mu on the reward of the step that finds a feasible trajectory.
+    #[schemars(range(min = 0.0, max = 1000.0))]
     pub mu: f32,
-    /// Added to that reward; 0 in the paper. It makes success matter more than U.
+    /// Added to the reward of a feasible step; 0 in the paper. It makes success matter more than U.
+    #[schemars(range(min = 0.0, max = 1000.0))]
     pub feasible_bonus: f32,
     /// Normalised units per unit of the network's output.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1_000_000.0))]
     pub action_scale: f32,
     /// Largest update of a coordinate, in normalised units (1 is 10 px of the paper's field).
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1_000_000.0))]
     pub action_limit: f32,
     /// Whether waypoints are clipped to the field.
     pub keep_inside: bool,
     /// Steps after which an episode is cut off; left out for never.
+    #[schemars(range(min = 1, max = 4_294_967_295_u32))]
     pub episode_limit: Option<u32>,
 }
 
 /// The tasks that choose the best policy.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ValidationConfig {
-    /// The name of a suite.
+    /// `easy`, `hard`, `hard-training`, `mix`, `time` or `varied`.
     pub suite: String,
     /// How many tasks; 0 for no validation.
+    #[schemars(range(min = 0, max = 100_000))]
     pub count: usize,
-    /// Their seed: 7 or 17.
+    /// Seed of the validation tasks: 7 or 17.
     pub seed: u64,
     /// Updates from one validation to the next; the last update always has one.
+    #[schemars(range(min = 1, max = 1_000_000))]
     pub every: u64,
     /// Iterations that a policy gets per task.
+    #[schemars(range(min = 1, max = 100_000))]
     pub steps: usize,
 }
 
@@ -162,7 +177,7 @@ impl TrainConfig {
     /// # Errors
     /// If it is no TOML, has an unknown key or a value of the wrong kind or out of range.
     pub fn from_toml(text: &str) -> Result<Self, InvalidInput> {
-        let config: Self = toml_file::parse(text)?;
+        let config: Self = toml_file::parse(&toml_file::table(text)?, text)?;
         config.check()?;
         Ok(config)
     }
@@ -224,14 +239,22 @@ mod tests {
         check("[ppo]\ngamma = nan", "ppo.gamma: NaN");
         check("[ppo]\ntarget_kl = -1", "ppo.target_kl: -1");
         check("[ppo]\nschedule = \"linaer\"", "config, line 2: unknown variant `linaer`");
-        check("[ppo]\nsteps = 1000000\nenvironments = 1000000", "environments x steps");
+        check("[ppo]\nsteps = 1000000\nenvironments = 1000000", "ppo.steps: 1000000");
+        check("training.count = 1000000\ncloning.epochs = 0", "training.count: 1000000");
+        check("ppo.environments = 1000000\nppo.steps = 1", "ppo.environments: 1000000");
+        check("cloning.samples_per_task = 1000000", "cloning.samples_per_task: 1000000");
+        check("network.hidden = 4096\nppo.minibatch = 1000", "network.hidden: 4096");
+        check("validation.count = 100000", "validation.count: 100000");
         check("[ppo]\nenvironments = 0", "ppo.environments: 0");
         check("profile = \"papr\"", "profile: `papr`");
         check("observation = [\"gradent\"]", "observation: gradent");
         check("observation = []", "at least one part");
         check("observation = [1]", "a list of texts");
         check("[training]\nseed = 2", "training.seed: 2");
-        check("[training]\nsuite = \"time\"", "easy, hard or mix");
+        check(
+            "[training]\nsuite = \"time\"",
+            "easy, hard-training (or hard, the same here) or mix",
+        );
         check("[validation]\nseed = 2", "validation.seed: 2");
         check("[validation]\nsuite = \"eazy\"", "validation.suite: `eazy`");
         check("[cloning]\nstarts = \"lnie\"", "cloning.starts: `lnie`");

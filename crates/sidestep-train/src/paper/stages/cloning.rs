@@ -1,26 +1,29 @@
-//! Behaviour cloning: the policy learns to answer like gradient descent before PPO begins (paper, section II.B).
+//! Behaviour cloning: the policy learns to answer like gradient descent before PPO begins (paper,
+//! section II.B).
 //!
 //! ```text
 //! loss = mean over samples and coordinates of (prediction - target)^2,   target = -gamma dU/dxi
 //! ```
 //!
-//! The paper draws 100 random trajectories for each of 100 tasks and makes one epoch in minibatches of 64 with Adadelta.
-//! Its text clones the policy's output; its code cloned a *sample* of the policy, mean + exp(log-std) noise,
-//! which adds noise to every gradient and moves log-std as well. Both are here ([`Prediction`]).
+//! The paper draws 100 random trajectories for each of 100 tasks and makes one epoch in minibatches
+//! of 64 with Adadelta. Its text clones the policy's output; its code cloned a *sample* of the
+//! policy, mean + exp(log-std) noise, which adds noise to every gradient and moves log-std as well.
+//! Both are here ([`Prediction`]).
 
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sidestep::plan::starts::StartStrategy;
 use sidestep::rng::{Purpose, stream};
 
-use crate::environment::Problem;
+use crate::environments::Problem;
 use crate::paper::agent::{Agent, Gradient, Sums, Worker};
-use crate::parameters::{Optimizer, OptimizerKind, shuffle_in_place};
+use crate::parameters::{Optimizer, OptimizerKind, finite, shuffle_in_place};
 use sidestep::rng::standard_normal;
 
 /// What is compared with the target.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Prediction {
     /// The policy's mean.
@@ -31,22 +34,27 @@ pub enum Prediction {
 }
 
 /// Settings of cloning. The defaults are the paper's.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CloningConfig {
     /// Passes over the samples; 0 leaves cloning out.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub epochs: usize,
     /// Random trajectories per task.
+    #[schemars(range(min = 1, max = 1_000_000))]
     pub samples_per_task: usize,
     /// Step gamma of the gradient descent that is cloned.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000.0))]
     pub step: f32,
-    /// How trajectories are drawn: the name of a [`StartStrategy`].
+    /// How trajectories are drawn: `line`, `via-point`, `sorted`, `random` or `paper`.
     pub starts: String,
     /// Samples per optimizer step.
+    #[schemars(range(min = 1, max = 1_000_000))]
     pub minibatch: usize,
     /// Which optimizer.
     pub optimizer: OptimizerKind,
-    /// Its learning rate.
+    /// Learning rate of the optimizer.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000.0))]
     pub learning_rate: f64,
     /// What is compared with the target.
     pub prediction: Prediction,
@@ -90,7 +98,8 @@ impl Samples {
     }
 }
 
-/// Draws `config.samples_per_task` trajectories for each problem, and what gradient descent would do there.
+/// Draws `config.samples_per_task` trajectories for each problem, and what gradient descent would
+/// do there.
 ///
 /// Trajectory i of task k has the stream (seed, imitation, k, i).
 pub fn draw_samples(
@@ -126,7 +135,8 @@ pub fn draw_samples(
     all
 }
 
-/// One epoch over the samples in a new order; returns the loss of each minibatch, the learning curve.
+/// One epoch over the samples in a new order; returns the loss of each minibatch, the learning
+/// curve.
 pub fn epoch(
     agent: &mut Agent,
     optimizer: &mut Optimizer,
@@ -149,13 +159,13 @@ pub fn epoch(
         }
         let loss = loss_and_gradient(agent, &batch, &noise, &mut gradient);
         agent.step(optimizer, config.learning_rate, 1.0, gradient.values());
-        curve.push(loss);
+        curve.push(finite(loss));
     }
     curve
 }
 
-/// The loss of a batch; its gradient is left in `gradient`. `noise [rows x actions]` is standard normal for
-/// [`Prediction::Sampled`], and empty for [`Prediction::Mean`].
+/// The loss of a batch; its gradient is left in `gradient`. `noise [rows x actions]` is standard
+/// normal for [`Prediction::Sampled`], and empty for [`Prediction::Mean`].
 ///
 /// ```text
 /// prediction = mean + exp(s) noise;   d loss / d mean = 2 error / count;   d loss / d s = sum of that * exp(s) noise

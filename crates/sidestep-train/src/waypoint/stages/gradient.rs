@@ -1,8 +1,9 @@
-//! Policy gradient on success (REINFORCE: Williams 1992) with the task's own walks as the baseline, and PPO on the same walks
-//! (Schulman et al. 2017, arXiv:1707.06347) where they are learned from more than once.
+//! Policy gradient on success (REINFORCE: Williams 1992) with the task's own walks as the baseline,
+//! and PPO on the same walks (Schulman et al. 2017, arXiv:1707.06347) where they are learned from
+//! more than once.
 //!
-//! Each task is walked K times from one start, mostly the straight line, with smooth noise on every step: with shapes
-//! phi_k(i) = sin(pi k i / (N + 1)) and z standard normal,
+//! Each task is walked K times from one start, mostly the straight line, with smooth noise on every
+//! step: with shapes phi_k(i) = sin(pi k i / (N + 1)) and z standard normal,
 //!
 //! ```text
 //! step = output + noise,   noise = sum over k = 1..8 of (sigma / k) z_k phi_k        (in both directions)
@@ -11,14 +12,15 @@
 //! d(-A log density) / d output_i = -A sum over k of z_k phi_k(i) / (sigma / k) / |phi_k|^2
 //! ```
 //!
-//! which is the score of the noise modes: what lies outside of them is not explored and not learned here. Tasks whose
-//! walks all end alike teach nothing.
+//! which is the score of the noise modes: what lies outside of them is not explored and not learned
+//! here. Tasks whose walks all end alike teach nothing.
 //!
-//! Where no walk of a task got through there is nothing to compare; then some of its walks are learned from by imitation ([`super::loss`]),
-//! as repair does for PPO ([`crate::paper::stages::ppo`]).
+//! Where no walk of a task got through there is nothing to compare; then some of its walks are
+//! learned from by imitation ([`super::loss`]), as repair does for PPO
+//! ([`crate::paper::stages::ppo`]).
 //!
-//! After the first epoch the output has moved from what was walked by, so that the same step is another noise, and counts by the
-//! ratio of densities, clipped as PPO does:
+//! After the first epoch the output has moved from what was walked by, so that the same step is
+//! another noise, and counts by the ratio of densities, clipped as PPO does:
 //!
 //! ```text
 //! z'_k = z_k + (old output - output) . phi_k / |phi_k|^2 / (sigma / k)
@@ -61,16 +63,17 @@ impl Lessons {
         }
     }
 
-    /// Adds the gradient summed over walks to `part`; the first call after [`Lessons::walk`] is the first epoch.
+    /// Adds the gradient summed over walks to `part`; the first call after [`Lessons::walk`] is the
+    /// first epoch.
     pub fn learn(&mut self, walker: Walker<'_>, part: &mut Part) {
         let Self { scratch, walked, old, d_output, loss_scratch } = self;
-        let (net, row_len) = (walker.net, walker.recipe.view.row_len());
+        let (net, row_len) = (walker.net, walker.ingredients.view.row_len());
         let stride = net.input_stride();
         let mut place = 0;
-        for Walked { waypoints, shapes, map, walks, objective, targets } in walked {
+        for Walked { waypoints, shapes, ready, walks, targets } in walked {
             let is_first = old.len() == place;
-            if let (Some(map), false) = (map.as_mut(), is_first) {
-                net.read_map(map.scratch());
+            if !is_first {
+                ready.read_map(net);
             }
             for walk in walks.iter() {
                 if walk.worth == Worth::Nothing {
@@ -78,7 +81,7 @@ impl Lessons {
                 }
                 let rows = walk.seen.len() / stride;
                 scratch.input(rows, stride).copy_from_slice(&walk.seen);
-                if let (Some(map), false) = (map.as_ref(), is_first) {
+                if let (Some(map), false) = (ready.map.as_ref(), is_first) {
                     map.read_rows(&walk.places, scratch.input(rows, stride), stride, row_len);
                 }
                 net.forward(scratch, *waypoints);
@@ -92,18 +95,17 @@ impl Lessons {
                         slopes(walker, walk, advantage, shapes, &old[place], scratch, d_output);
                     }
                     Worth::Repair => {
+                        let objective = &ready.objective;
                         repair(walker, walk, objective, targets, scratch, loss_scratch, d_output);
                     }
                 }
                 place += 1;
                 net.backward(d_output, scratch, &mut part.gradient);
-                if let Some(map) = map.as_mut() {
+                if let Some(map) = ready.map.as_mut() {
                     map.collect_rows(&walk.places, scratch.input_slopes(), stride, row_len);
                 }
             }
-            if let Some(map) = map.as_mut() {
-                net.map_backward(map.scratch(), &mut part.gradient);
-            }
+            ready.learn_map(net, &mut part.gradient);
         }
     }
 }
@@ -159,14 +161,14 @@ fn repair(
     loss_scratch: &mut LossScratch,
     d_output: &mut Vec<[f32; OUTPUTS]>,
 ) {
-    let (rule, dim) = (&walker.recipe.rule, objective.dim());
+    let (rule, dim) = (&walker.ingredients.rule, objective.dim());
     let mut view = walk.view.clone();
     let lesson = Lesson {
         objective,
         targets,
         along: view.along(),
         scale: rule.scale,
-        hinge_weight: walker.recipe.imitation.hinge_straight,
+        hinge_weight: walker.ingredients.imitation.hinge_straight,
     };
     for (step, before) in walk.places.chunks_exact(dim).enumerate() {
         let outputs = |i: usize| scratch.output(step * dim / 2 + i);
@@ -181,7 +183,7 @@ fn repair(
 mod tests {
     use super::*;
     use crate::waypoint::config::{TaskConfig, WaypointConfig};
-    use crate::waypoint::stages::imitation::Recipe;
+    use crate::waypoint::stages::imitation::Ingredients;
     use sidestep::network::{WaypointNet, WaypointShape};
     use sidestep::plane::view::ViewParts;
     use sidestep::policy::ActionRule;
@@ -225,7 +227,7 @@ mod tests {
         let draw = |i: usize| 0.1 * (i as f32 * 0.7).sin();
         let mut net = WaypointNet::new(&shape, (0..count).map(draw).collect()).unwrap();
         let config = WaypointConfig::default();
-        let recipe = Recipe {
+        let ingredients = Ingredients {
             view,
             rule: ActionRule { scale: 0.4, limit: 1.6, keep_inside: true },
             tasks: TaskConfig { other_waypoints: 0.0, ..config.tasks },
@@ -236,11 +238,11 @@ mod tests {
         let mut lessons = Lessons::default();
         let mut part = Part::default();
         part.clear(count);
-        let walker = Walker { net: &net, recipe: &recipe, settings: &settings };
+        let walker = Walker { net: &net, ingredients: &ingredients, settings: &settings };
         lessons.walk(walker, 3, 0..6, &mut part);
         lessons.learn(walker, &mut part);
         net.update(|parameters| parameters.iter_mut().for_each(|p| *p *= 1.3));
-        let walker = Walker { net: &net, recipe: &recipe, settings: &settings };
+        let walker = Walker { net: &net, ingredients: &ingredients, settings: &settings };
         let walks = lessons.walked.iter().flat_map(|walked| &walked.walks);
         let walks: Vec<&Walk> =
             walks.filter(|walk| matches!(walk.worth, Worth::Advantage(_))).collect();

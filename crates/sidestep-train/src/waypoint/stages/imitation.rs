@@ -1,26 +1,29 @@
-//! On-policy imitation of exact paths (DAgger: Ross, Gordon and Bagnell 2011, arXiv:1011.0686), with a set of answers
-//! for each task and a hinge on what still collides ([`super::loss`]).
+//! On-policy imitation of exact paths (DAgger: Ross, Gordon and Bagnell 2011, arXiv:1011.0686),
+//! with a set of answers for each task and a hinge on what still collides ([`super::loss`]).
 //!
-//! The policy walks trajectories of random tasks; at each step the target is the expert's trajectory nearest to the *present*
-//! one, so that both sides of an obstacle do not average into it. Each task has four trajectories: one from the straight line,
-//! one bent at random, two through random via-points.
+//! The policy walks trajectories of random tasks; at each step the target is the expert's
+//! trajectory nearest to the *present* one, so that both sides of an obstacle do not average into
+//! it. Each task has four trajectories: one from the straight line, one bent at random, two through
+//! random via-points.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use sidestep::network::{WaypointNet, WaypointScratch};
 use sidestep::objective::Objective;
 use sidestep::plan::starts::StartStrategy;
-use sidestep::plane::view::{Look, TaskMap, ViewParts, WaypointView};
+use sidestep::plane::view::{ViewParts, WaypointView};
 use sidestep::policy::ActionRule;
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::scene::Query;
 use sidestep::trajectory::waypoints::bend;
 
 use super::loss::{Lesson, LossScratch};
 use crate::routes::{Target, sparingly_grown};
 use crate::waypoint::config::{ImitationConfig, TaskConfig};
+use crate::waypoint::ready::Ready;
 
+/// Tasks of an update that one thread takes together.
+pub(crate) const TASKS_PER_PART: usize = 4;
 /// Trajectories per task.
 pub(crate) const MEMBERS: usize = 4;
 /// Candidate tasks that a slot may draw in a unit; keeps the slots' tasks apart.
@@ -30,7 +33,7 @@ const MOST_FAILED: usize = 32;
 
 /// What the cases are made of, the same for all slots.
 #[derive(Debug, Clone)]
-pub(crate) struct Recipe {
+pub(crate) struct Ingredients {
     pub view: ViewParts,
     pub rule: ActionRule,
     pub tasks: TaskConfig,
@@ -60,8 +63,7 @@ struct Member {
 #[derive(Debug, Clone)]
 struct Case {
     task: u64,
-    objective: Objective,
-    map: Option<TaskMap>,
+    ready: Ready,
     targets: Vec<Target>,
     members: Vec<Member>,
     /// Steps until another task takes its place.
@@ -88,6 +90,11 @@ pub(crate) struct Part {
 }
 
 impl Part {
+    /// The parts of an update of so many tasks.
+    pub fn for_tasks(tasks: usize) -> Vec<Self> {
+        std::iter::repeat_with(Self::default).take(tasks.div_ceil(TASKS_PER_PART)).collect()
+    }
+
     /// Nothing yet, for a network of so many parameters.
     pub fn clear(&mut self, parameters: usize) {
         self.gradient.clear();
@@ -110,13 +117,13 @@ pub(crate) struct Sums {
 
 impl Slot {
     /// Slot `index` at the start of unit `unit` of the training.
-    pub fn new(recipe: &Recipe, net: &WaypointNet, unit: u64, index: u64) -> Self {
-        let mut rng = stream(recipe.seed, Purpose::Imitation, unit, index);
-        let waypoints = recipe.tasks.draw_waypoints(&mut rng);
+    pub fn new(ingredients: &Ingredients, net: &WaypointNet, unit: u64, index: u64) -> Self {
+        let mut rng = stream(ingredients.seed, Purpose::Imitation, unit, index);
+        let waypoints = ingredients.tasks.draw_waypoints(&mut rng);
         let next_task = (unit * 1024 + index) * TASKS_PER_SLOT;
         let mut draws = Draws { rng, waypoints, next_task, failed: Vec::new() };
         Self {
-            case: draws.draw(recipe, net),
+            case: draws.draw(ingredients, net),
             draws,
             scratch: WaypointScratch::default(),
             loss_scratch: LossScratch::default(),
@@ -126,18 +133,23 @@ impl Slot {
         }
     }
 
-    /// Steps every trajectory `steps` times with `net`, and adds the gradient of the summed loss to `part`.
-    pub fn run(&mut self, net: &WaypointNet, recipe: &Recipe, steps: usize, part: &mut Part) {
-        if let Some(map) = &mut self.case.map {
-            net.read_map(map.scratch());
-        }
+    /// Steps every trajectory `steps` times with `net`, and adds the gradient of the summed loss to
+    /// `part`.
+    pub fn run(
+        &mut self,
+        net: &WaypointNet,
+        ingredients: &Ingredients,
+        steps: usize,
+        part: &mut Part,
+    ) {
+        self.case.ready.read_map(net);
         for _ in 0..steps {
-            self.step(net, recipe, part);
+            self.step(net, ingredients, part);
         }
-        self.case.learn_map(net, &mut part.gradient);
+        self.case.ready.learn_map(net, &mut part.gradient);
     }
 
-    fn step(&mut self, net: &WaypointNet, recipe: &Recipe, part: &mut Part) {
+    fn step(&mut self, net: &WaypointNet, ingredients: &Ingredients, part: &mut Part) {
         let Self { case, draws, scratch, loss_scratch, before, free, d_output } = self;
         let Part { gradient, sums } = part;
         let (waypoints, stride) = (draws.waypoints, net.input_stride());
@@ -146,66 +158,55 @@ impl Slot {
         for (member, rows) in
             case.members.iter_mut().zip(input.chunks_exact_mut(waypoints * stride))
         {
-            if case.objective.free_segments(&member.x, free) {
+            if case.ready.is_free(&member.x, free) {
                 member.solved = true;
                 // From the straight line it would only walk the same way again.
                 let kind = if member.kind == Kind::Straight { Kind::Bent } else { member.kind };
-                begin(kind, &case.objective, &mut draws.rng, member);
-                case.objective.free_segments(&member.x, free);
+                begin(kind, &case.ready.objective, &mut draws.rng, member);
+                case.ready.is_free(&member.x, free);
             }
-            if let Some(subject) = case.objective.plane() {
-                member.view.encode(subject, &member.x, free, case.map.as_ref(), rows, stride);
-            }
+            case.ready.see(&mut member.view, &member.x, free, rows, stride);
             before.extend_from_slice(&member.x);
         }
         net.forward(scratch, waypoints);
         d_output.clear();
         for (place, member) in case.members.iter_mut().enumerate() {
             let outputs = |i: usize| scratch.output(place * waypoints + i);
-            member.view.apply(&recipe.rule, outputs, &mut member.x);
+            member.view.apply(&ingredients.rule, outputs, &mut member.x);
             let lesson = Lesson {
-                objective: &case.objective,
+                objective: &case.ready.objective,
                 targets: &case.targets,
                 along: member.view.along(),
-                scale: recipe.rule.scale,
+                scale: ingredients.rule.scale,
                 hinge_weight: match KINDS[place] {
-                    Kind::Straight => recipe.imitation.hinge_straight,
-                    _ => recipe.imitation.hinge,
+                    Kind::Straight => ingredients.imitation.hinge_straight,
+                    _ => ingredients.imitation.hinge,
                 },
             };
             let from = &before[place * 2 * waypoints..][..2 * waypoints];
             sums.loss += lesson.loss(from, &member.x, outputs, loss_scratch, d_output);
             sums.steps += 1.0;
-            if draws.rng.random::<f32>() < recipe.imitation.kick_probability {
-                bend(2, &mut member.x, recipe.imitation.kick, &mut draws.rng);
+            if draws.rng.random::<f32>() < ingredients.imitation.kick_probability {
+                bend(2, &mut member.x, ingredients.imitation.kick, &mut draws.rng);
             }
         }
         // Long trajectories would outweigh the others.
         let share = Profile::DEFAULT.waypoints as f32 / waypoints as f32;
         d_output.iter_mut().flatten().for_each(|slope| *slope *= share);
         net.backward(d_output, scratch, gradient);
-        if let Some(map) = &mut case.map {
-            map.collect_rows(before, scratch.input_slopes(), stride, recipe.view.row_len());
+        if let Some(map) = &mut case.ready.map {
+            map.collect_rows(before, scratch.input_slopes(), stride, ingredients.view.row_len());
         }
         case.left -= 1;
         if case.left == 0 {
-            case.learn_map(net, gradient);
+            case.ready.learn_map(net, gradient);
             let solved = case.members[0].solved;
             sums.ended += 1.0;
             sums.solved += f64::from(u8::from(solved));
             if !solved && draws.failed.len() < MOST_FAILED {
                 draws.failed.push(case.task);
             }
-            *case = draws.draw(recipe, net);
-        }
-    }
-}
-
-impl Case {
-    /// Adds the gradient of what the map collected.
-    fn learn_map(&mut self, net: &WaypointNet, gradient: &mut [f32]) {
-        if let Some(map) = &mut self.map {
-            net.map_backward(map.scratch(), gradient);
+            *case = draws.draw(ingredients, net);
         }
     }
 }
@@ -221,8 +222,8 @@ struct Draws {
 
 impl Draws {
     /// A new case: a failed task again, or a fresh one that has an answer.
-    fn draw(&mut self, recipe: &Recipe, net: &WaypointNet) -> Case {
-        let settings = &recipe.imitation;
+    fn draw(&mut self, ingredients: &Ingredients, net: &WaypointNet) -> Case {
+        let settings = &ingredients.imitation;
         loop {
             let again = self.rng.random::<f32>() < settings.retry && !self.failed.is_empty();
             let number = if again {
@@ -233,36 +234,32 @@ impl Draws {
                 self.next_task
             };
             // What a number stands for must not depend on when it is drawn.
-            let mut own = stream(recipe.seed, Purpose::Imitation, number, 1 << 40);
-            let task = recipe.tasks.draw(number, &mut own);
-            let query = Query::of(&task, &Profile::DEFAULT);
+            let mut own = stream(ingredients.seed, Purpose::Imitation, number, 1 << 40);
+            let task = ingredients.tasks.draw(number, &mut own);
+            let query = Ready::query(&task);
             let is_direct = query.scene().motion_is_free(query.start(), query.goal());
-            if is_direct && own.random::<f32>() >= recipe.tasks.direct {
+            if is_direct && own.random::<f32>() >= ingredients.tasks.direct {
                 continue;
             }
             let Ok(objective) = Objective::new(&query, self.waypoints) else { continue };
-            let (Ok(plane), Some(subject)) = (task.plane(), objective.plane()) else { continue };
+            let Ok(plane) = task.plane() else { continue };
             let targets = sparingly_grown::targets(plane, &objective, &mut own);
             if targets.is_empty() {
                 continue;
             }
+            let Some(mut ready) = Ready::new(&ingredients.view, objective) else { continue };
+            let Some(view) = ready.view(&ingredients.view) else { continue };
             let members = KINDS.map(|kind| {
-                let view = WaypointView::new(&recipe.view.probes, subject, Look::default());
-                let x = vec![0.0; objective.dim()];
+                let (x, view) = (vec![0.0; ready.objective.dim()], view.clone());
                 let mut member = Member { kind, x, view, solved: false };
-                begin(kind, &objective, &mut self.rng, &mut member);
+                begin(kind, &ready.objective, &mut self.rng, &mut member);
                 member
             });
             let long = self.rng.random::<f32>() < settings.long_share;
             let left = if long { settings.long_life } else { settings.life };
-            let map = recipe.view.map.as_ref().map(|shape| {
-                let mut map = TaskMap::new(shape, subject);
-                net.begin_map(map.scratch());
-                net.read_map(map.scratch());
-                map
-            });
+            ready.begin_map(net);
             let members = members.into();
-            return Case { task: number, objective, map, targets, members, left };
+            return Case { task: number, ready, targets, members, left };
         }
     }
 }

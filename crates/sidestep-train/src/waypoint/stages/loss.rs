@@ -1,4 +1,5 @@
-//! The loss of imitation: how far an update is from the expert's, and a hinge on what still collides.
+//! The loss of imitation: how far an update is from the expert's, and a hinge on what still
+//! collides.
 //!
 //! With u the update, x' = x + u, lengths in pixels (0.1 normalised) and d(p) the signed distance:
 //!
@@ -39,8 +40,8 @@ pub(crate) struct LossScratch {
 }
 
 impl Lesson<'_> {
-    /// The loss of one step from `before` to `after` (`[N x 2]`) by the network's `outputs`; its gradient with respect to these
-    /// is appended to `d_output`.
+    /// The loss of one step from `before` to `after` (`[N x 2]`) by the network's `outputs`; its
+    /// gradient with respect to these is appended to `d_output`.
     pub fn loss(
         &self,
         before: &[f32],
@@ -80,8 +81,8 @@ impl Lesson<'_> {
         total
     }
 
-    /// The weighed hinge on a trajectory; its gradient per pixel of a waypoint's motion is added to the scratch's pull, in
-    /// field axes.
+    /// The weighed hinge on a trajectory; its gradient per pixel of a waypoint's motion is added to
+    /// the scratch's pull, in field axes.
     fn hinge(&self, points: &[[f32; 2]], scratch: &mut LossScratch) -> f64 {
         let LossScratch { sampler, pull } = scratch;
         let Some(Subject { scene, start, goal, .. }) = self.objective.plane() else { return 0.0 };
@@ -135,7 +136,8 @@ mod tests {
     use sidestep::scene::Query;
     use sidestep::suite::candidate;
 
-    /// Slopes of the loss with respect to the outputs, one coordinate at a time, against differences of the loss.
+    /// Slopes of the loss with respect to the outputs, one coordinate at a time, against
+    /// differences of the loss.
     #[test]
     fn slopes_are_differences_of_the_loss() {
         let probes = Probes::named("probes:4x1").unwrap();

@@ -1,20 +1,20 @@
-//! Noisy walks of the policy on a task, and what they are worth; [`super::gradient`] learns from them.
+//! Noisy walks of the policy on a task, and what they are worth; [`super::gradient`] learns from
+//! them.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use sidestep::network::{WaypointNet, WaypointScratch};
 use sidestep::objective::Objective;
 use sidestep::plan::starts::StartStrategy;
-use sidestep::plane::view::{Look, TaskMap, WaypointView};
-use sidestep::profile::Profile;
+use sidestep::plane::view::WaypointView;
 use sidestep::rng::{Purpose, stream};
-use sidestep::scene::Query;
 use sidestep::trajectory::waypoints::bend;
 
-use super::imitation::{Recipe, Sums};
+use super::imitation::{Ingredients, Sums};
 use super::loss::PIXEL;
 use crate::routes::{Target, sparingly_grown};
 use crate::waypoint::config::PolicyGradientConfig;
+use crate::waypoint::ready::Ready;
 use sidestep::rng::standard_normal;
 
 /// Shapes of noise along the trajectory.
@@ -56,10 +56,9 @@ pub(crate) enum Worth {
 pub(crate) struct Walked {
     pub waypoints: usize,
     pub shapes: Shapes,
-    pub map: Option<TaskMap>,
+    pub ready: Ready,
     pub walks: Vec<Walk>,
-    /// The task, and the expert's answers where walks are to be repaired.
-    pub objective: Objective,
+    /// The expert's answers where walks are to be repaired.
     pub targets: Vec<Target>,
 }
 
@@ -67,14 +66,14 @@ pub(crate) struct Walked {
 #[derive(Clone, Copy)]
 pub(crate) struct Walker<'a> {
     pub net: &'a WaypointNet,
-    pub recipe: &'a Recipe,
+    pub ingredients: &'a Ingredients,
     pub settings: &'a PolicyGradientConfig,
 }
 
 impl Walker<'_> {
     /// Standard deviation of the first mode, in units of output.
     pub fn sigma(&self) -> f32 {
-        self.settings.noise_pixels / (self.recipe.rule.scale / PIXEL)
+        self.settings.noise_pixels / (self.ingredients.rule.scale / PIXEL)
     }
 
     /// The walks on task `index` of update `update`.
@@ -101,26 +100,26 @@ impl Walker<'_> {
         scratch: &mut WaypointScratch,
         sums: &mut Sums,
     ) -> Option<Walked> {
-        let Self { net, recipe, settings } = *self;
-        let mut rng = stream(recipe.seed, Purpose::Environment, number, 0);
-        let task = recipe.tasks.draw(number, &mut rng);
-        let query = Query::of(&task, &Profile::DEFAULT);
+        let Self { net, ingredients, settings } = *self;
+        let mut rng = stream(ingredients.seed, Purpose::Environment, number, 0);
+        let task = ingredients.tasks.draw(number, &mut rng);
+        let query = Ready::query(&task);
         if query.scene().motion_is_free(query.start(), query.goal()) {
             return None;
         }
-        let waypoints = recipe.tasks.draw_waypoints(&mut rng);
+        let waypoints = ingredients.tasks.draw_waypoints(&mut rng);
         let objective = Objective::new(&query, waypoints).ok()?;
-        let subject = objective.plane()?;
         let x = self.start(&objective, &mut rng);
-        let view = WaypointView::new(&recipe.view.probes, subject, Look::default());
-        let map = recipe.view.map.as_ref().map(|shape| {
-            let mut map = TaskMap::new(shape, subject);
-            net.begin_map(map.scratch());
-            net.read_map(map.scratch());
-            map
-        });
+        let mut ready = Ready::new(&ingredients.view, objective)?;
+        let view = ready.view(&ingredients.view)?;
+        ready.begin_map(net);
         let keeps = rng.random::<f32>() < settings.solved;
-        if !keeps && self.solves(&objective, view.clone(), map.as_ref(), x.clone(), scratch) {
+        let policy = (net, &ingredients.rule);
+        let solves = |scratch: &mut WaypointScratch| {
+            let (view, x) = (view.clone(), x.clone());
+            ready.first_free(view, x, policy, settings.steps, scratch).is_some()
+        };
+        if !keeps && solves(scratch) {
             return None;
         }
         let route = query.scene().exact(query.start(), query.goal(), &|| true)?;
@@ -136,10 +135,10 @@ impl Walker<'_> {
         };
         let mut walks = vec![walk; settings.walks];
         let shapes = Shapes::new(waypoints);
-        self.go(&objective, map.as_ref(), &shapes, &mut walks, scratch, &mut rng);
+        self.go(&ready, &shapes, &mut walks, scratch, &mut rng);
         let score = |walk: &Walk| match walk.solved {
             Some(t) => {
-                let length = objective.trajectory(&walk.x).length();
+                let length = ready.objective.trajectory(&walk.x).length();
                 let longer = ((length / shortest - 1.0) as f32).clamp(0.0, 1.0);
                 1.0 - settings.haste * t as f32 / settings.steps as f32 - settings.stretch * longer
             }
@@ -161,12 +160,12 @@ impl Walker<'_> {
         }
         let mut targets = Vec::new();
         if settings.repair > 0.0 && walks.iter().all(|walk| walk.solved.is_none()) {
-            targets = sparingly_grown::targets(task.plane().ok()?, &objective, &mut rng);
+            targets = sparingly_grown::targets(task.plane().ok()?, &ready.objective, &mut rng);
             if !targets.is_empty() {
                 walks.iter_mut().take(REPAIRED).for_each(|walk| walk.worth = Worth::Repair);
             }
         }
-        Some(Walked { waypoints, shapes, map, walks, objective, targets })
+        Some(Walked { waypoints, shapes, ready, walks, targets })
     }
 
     /// The straight line, or a random bend of it or via-point.
@@ -186,18 +185,16 @@ impl Walker<'_> {
     /// Walks until free, or all steps.
     fn go(
         &self,
-        objective: &Objective,
-        map: Option<&TaskMap>,
+        ready: &Ready,
         shapes: &Shapes,
         walks: &mut [Walk],
         scratch: &mut WaypointScratch,
         rng: &mut ChaCha8Rng,
     ) {
-        let Self { net, recipe, settings } = *self;
-        let (waypoints, stride) = (objective.waypoints(), net.input_stride());
+        let Self { net, ingredients, settings } = *self;
+        let (waypoints, stride) = (ready.objective.waypoints(), net.input_stride());
         let (dim, sigma) = (waypoints * stride, self.sigma());
-        let Some(subject) = objective.plane() else { return };
-        let mut free = vec![false; waypoints + 1];
+        let mut free = Vec::new();
         for step in 0..=settings.steps {
             let mut active = Vec::with_capacity(walks.len());
             let input = scratch.input(walks.len() * waypoints, stride);
@@ -205,11 +202,11 @@ impl Walker<'_> {
                 if walk.solved.is_some() {
                     continue;
                 }
-                if objective.free_segments(&walk.x, &mut free) {
+                if ready.is_free(&walk.x, &mut free) {
                     walk.solved = Some(step);
                 } else if step < settings.steps {
                     let block = &mut input[active.len() * dim..][..dim];
-                    walk.view.encode(subject, &walk.x, &free, map, block, stride);
+                    ready.see(&mut walk.view, &walk.x, &free, block, stride);
                     walk.seen.extend_from_slice(block);
                     walk.places.extend_from_slice(&walk.x);
                     active.push(index);
@@ -232,36 +229,10 @@ impl Walker<'_> {
                     }
                     out
                 };
-                walk.view.apply(&recipe.rule, output, &mut walk.x);
+                walk.view.apply(&ingredients.rule, output, &mut walk.x);
                 walk.noise.extend(z);
             }
         }
-    }
-
-    /// Whether the policy walks from `x` to a free trajectory without noise.
-    fn solves(
-        &self,
-        objective: &Objective,
-        mut view: WaypointView,
-        map: Option<&TaskMap>,
-        mut x: Vec<f32>,
-        scratch: &mut WaypointScratch,
-    ) -> bool {
-        let (waypoints, stride) = (objective.waypoints(), self.net.input_stride());
-        let Some(subject) = objective.plane() else { return false };
-        let mut free = vec![false; waypoints + 1];
-        for step in 0..=self.settings.steps {
-            if objective.free_segments(&x, &mut free) {
-                return true;
-            }
-            if step < self.settings.steps {
-                let rows = scratch.input(waypoints, stride);
-                view.encode(subject, &x, &free, map, rows, stride);
-                self.net.forward(scratch, waypoints);
-                view.apply(&self.recipe.rule, |i| scratch.output(i), &mut x);
-            }
-        }
-        false
     }
 }
 

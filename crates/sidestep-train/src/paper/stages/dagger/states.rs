@@ -1,11 +1,13 @@
-//! The aggregated data of DAgger: where the policy has been, and what the expert would have done there.
+//! The aggregated data of DAgger: where the policy has been, and what the expert would have done
+//! there.
 //!
-//! A state is kept as its task, waypoints and what the encoder remembered, and is observed anew for each minibatch: 160
-//! bytes in place of the 16 kB of an image. That is also what a checkpoint holds.
+//! A state is kept as its task, waypoints and what the encoder remembered, and is observed anew for
+//! each minibatch: 160 bytes in place of the 16 kB of an image. That is also what a checkpoint
+//! holds.
 
 use rayon::prelude::*;
 
-use crate::environment::Problem;
+use crate::environments::Problem;
 use crate::paper::stages::cloning::Samples;
 
 /// States with the expert's answers, oldest first; each list has one row per state.

@@ -75,7 +75,8 @@ pub fn loss_and_gradient(
             let advantage = (batch.advantages[row] - shift) * factor;
             let clipped = ratio.clamp(1.0 - config.clip, 1.0 + config.clip);
             let (free, bound) = (ratio * advantage, clipped * advantage);
-            // d ratio / d log_prob = ratio. Where the bound is lower its derivative is 0; at a tie inside the range both agree.
+            // d ratio / d log_prob = ratio. Where the bound is lower its derivative is 0; at a tie
+            // inside the range both agree.
             let slope = if free <= bound { -free * share } else { 0.0 };
             let mean_gradient = &mut worker.mean_gradient[local * acts..][..acts];
             let stds = &mut log_std_gradient;

@@ -5,26 +5,31 @@
 //! loss   = -mean(min(ratio A, clip(ratio, 1 - c, 1 + c) A)) + c_v mean((v - return)^2) - c_e mean(entropy)
 //! ```
 //!
-//! The details that decide whether it works, numbered as in Huang et al., "The 37 Implementation Details of Proximal Policy
-//! Optimization" (ICLR blog track 2022; 1-13 of all PPO, c1-c9 of continuous actions), with the choices of the paper's code (Stable-Baselines3):
+//! The details that decide whether it works, numbered as in Huang et al., "The 37 Implementation
+//! Details of Proximal Policy Optimization" (ICLR blog track 2022; 1-13 of all PPO, c1-c9 of
+//! continuous actions), with the choices of the paper's code (Stable-Baselines3):
 //!
 //! 1. Environments run side by side and go on over updates ([`collect()`]).
 //! 2. Initialisation: see [`crate::parameters::Initialization`].
 //! 3. Adam's epsilon is 1e-5 ([`crate::parameters::Optimizer`]).
-//! 4. Learning rate constant, or falling to 0 over the training ([`Schedule`](crate::parameters::Schedule)).
+//! 4. Learning rate constant, or falling to 0 over the training
+//!    ([`Schedule`](crate::parameters::Schedule)).
 //! 5. Generalised advantages; returns are advantage + value ([`advantage`]).
 //! 6. Minibatches are a new shuffle of all steps in each epoch; the last one may be short.
 //! 7. Advantages are normalised per minibatch, with n - 1 in the variance.
 //! 8. The clipped surrogate; the gradient is 0 where the clip decides.
 //! 9. No clipping of the value loss (left out in Stable-Baselines3 too; Huang et al. find no gain).
-//! 10. The loss has a value coefficient and an entropy coefficient; squared error without the factor 1/2.
+//! 10. The loss has a value coefficient and an entropy coefficient; squared error without the
+//!     factor 1/2.
 //! 11. The norm of the whole gradient (policy, value, log-std together) is clipped.
-//! 12. Diagnostics: approximate KL as mean((ratio - 1) - ln ratio), clip fraction, explained variance.
+//! 12. Diagnostics: approximate KL as mean((ratio - 1) - ln ratio), clip fraction, explained
+//!     variance.
 //! 13. Policy and value share no layer (also c4).
 //!
-//! c1-c3: a diagonal Gaussian with a free log-std ([`crate::paper::gaussian`]). c5: the update is clipped on its way into
-//! the trajectory, while the unclipped action and its probability are kept. c6-c9: observations and rewards are not normalised
-//! (paper). Beyond the 37: an optional stop at a target KL (Stable-Baselines3: 1.5 times the target, checked before each step).
+//! c1-c3: a diagonal Gaussian with a free log-std ([`crate::paper::gaussian`]). c5: the update is
+//! clipped on its way into the trajectory, while the unclipped action and its probability are kept.
+//! c6-c9: observations and rewards are not normalised (paper). Beyond the 37: an optional stop at a
+//! target KL (Stable-Baselines3: 1.5 times the target, checked before each step).
 
 pub mod advantage;
 mod config;
@@ -34,12 +39,11 @@ mod rollout;
 
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-use sidestep::kernels::squared_norm;
 
 use crate::paper::agent::{Agent, Gradient};
 use crate::paper::gaussian;
 use crate::paper::stages::cloning::{self, Samples};
-use crate::parameters::{Optimizer, clip_factor, shuffle_in_place};
+use crate::parameters::{Optimizer, clip_factor, finite, norm, shuffle_in_place, told_norm};
 
 pub use config::PpoConfig;
 pub use loss::{Losses, Minibatch, loss_and_gradient};
@@ -86,8 +90,8 @@ pub struct UpdateMetrics {
     pub repair_loss: f64,
 }
 
-/// `config.epochs` passes of optimizer steps over what [`collect`] gathered, with `demonstrations` from repaired episodes and
-/// the weight of their loss.
+/// `config.epochs` passes of optimizer steps over what [`collect`] gathered, with `demonstrations`
+/// from repaired episodes and the weight of their loss.
 pub fn update(
     agent: &mut Agent,
     optimizer: &mut Optimizer,
@@ -111,7 +115,7 @@ pub fn update(
                 break 'epochs;
             }
             metrics.repair_loss += teacher.add_gradient(agent, weight, shuffle, &mut gradient);
-            let norm = squared_norm(gradient.values()).sqrt();
+            let norm = norm(gradient.values());
             let scale = clip_factor(norm, config.max_gradient_norm);
             agent.step(optimizer, learning_rate, scale, gradient.values());
             metrics.minibatches += 1;
@@ -119,21 +123,29 @@ pub fn update(
             metrics.value_loss += losses.value;
             metrics.approx_kl += losses.approx_kl;
             metrics.clip_fraction += losses.clip_fraction;
-            metrics.gradient_norm += f64::from(norm);
+            metrics.gradient_norm += match norm.is_finite() {
+                true => f64::from(norm),
+                false => told_norm(norm, gradient.values()),
+            };
         }
     }
     let count = metrics.minibatches.max(1) as f64;
-    metrics.policy_loss /= count;
-    metrics.value_loss /= count;
-    metrics.approx_kl /= count;
-    metrics.clip_fraction /= count;
-    metrics.gradient_norm /= count;
-    metrics.repair_loss /= count;
+    for mean in [
+        &mut metrics.policy_loss,
+        &mut metrics.value_loss,
+        &mut metrics.approx_kl,
+        &mut metrics.clip_fraction,
+        &mut metrics.gradient_norm,
+        &mut metrics.repair_loss,
+    ] {
+        *mean = finite(*mean / count);
+    }
     metrics.entropy = f64::from(gaussian::entropy(&agent.log_std));
     metrics
 }
 
-/// Hands out demonstrations, as many per minibatch as the minibatch has steps, in a new order each time they are through.
+/// Hands out demonstrations, as many per minibatch as the minibatch has steps, in a new order each
+/// time they are through.
 struct Teacher<'a> {
     samples: &'a Samples,
     order: Vec<u32>,
@@ -158,7 +170,8 @@ impl<'a> Teacher<'a> {
         }
     }
 
-    /// Adds `weight` times the gradient of the demonstrations' loss to `gradient`; returns the loss.
+    /// Adds `weight` times the gradient of the demonstrations' loss to `gradient`; returns the
+    /// loss.
     fn add_gradient(
         &mut self,
         agent: &Agent,

@@ -1,10 +1,12 @@
-//! Repair of failed episodes by an expert (T. Jurgenson and A. Tamar, Harnessing reinforcement learning for neural motion
-//! planning, RSS 2019, section IV): what the policy could not solve, an expert planner completes, and the policy learns from that.
+//! Repair of failed episodes by an expert (T. Jurgenson and A. Tamar, Harnessing reinforcement
+//! learning for neural motion planning, RSS 2019, section IV): what the policy could not solve, an
+//! expert planner completes, and the policy learns from that.
 //!
-//! An episode has failed where the time limit cut it off, or where it is unsolved after `after` steps at an update's end. The
-//! expert walks its task once from the straight line and once from where the episode got stuck; each walk that
-//! becomes feasible is a demonstration. Demonstrations are no experience of the policy, so they have no place in PPO's
-//! surrogate. They join each of its minibatches with a loss of their own:
+//! An episode has failed where the time limit cut it off, or where it is unsolved after `after`
+//! steps at an update's end. The expert walks its task once from the straight line and once from
+//! where the episode got stuck; each walk that becomes feasible is a demonstration. Demonstrations
+//! are no experience of the policy, so they have no place in PPO's surrogate. They join each of its
+//! minibatches with a loss of their own:
 //!
 //! ```text
 //! loss = loss of PPO + weight mean(|mean of the policy - expert's answer|^2)
@@ -13,16 +15,17 @@
 //! The environment then goes on to its next task.
 
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sidestep::policy::ActionRule;
 
 use super::Rollout;
-use crate::environment::{Environment, Problem, Stuck};
+use crate::environments::{Environments, Problem, Stuck};
 use crate::paper::expert::{ExpertKind, Experts};
 use crate::paper::stages::cloning::Samples;
 
 /// Who repairs failed episodes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RepairBy {
     /// Nobody.
@@ -49,16 +52,19 @@ impl RepairBy {
 }
 
 /// Settings of the repair.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RepairConfig {
     /// Who repairs; `none` leaves it out.
     pub expert: RepairBy,
     /// Age from which an unsolved episode counts as failed at the end of an update.
+    #[schemars(range(min = 1, max = 4_294_967_295_u32))]
     pub after: u32,
     /// Most steps of the expert.
+    #[schemars(range(min = 1, max = 10_000))]
     pub steps: usize,
     /// Weight of the demonstrations' loss.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1_000_000.0))]
     pub weight: f32,
 }
 
@@ -81,25 +87,26 @@ pub struct Repaired {
 
 /// Repairs the failed episodes of what was just collected, and sends their environments on.
 pub fn repair(
-    environments: &mut [Environment],
+    environments: &mut Environments,
     rollouts: &[Rollout],
-    problems: &[Problem],
     experts: &Experts,
-    rule: ActionRule,
     config: &RepairConfig,
 ) -> Repaired {
     let Some(kind) = config.expert.expert() else { return Repaired::default() };
     let mut failed: Vec<Stuck> = rollouts.iter().flat_map(|r| r.stuck().iter().cloned()).collect();
-    let count = environments.len();
-    for environment in environments.iter_mut().filter(|env| env.age() >= config.after) {
-        failed.push(environment.stuck());
-        environment.reset(problems, count);
+    for index in 0..environments.len() {
+        if environments.all()[index].age() >= config.after {
+            failed.push(environments.all()[index].stuck());
+            environments.reset(index);
+        }
     }
+    let (problems, rule) = (environments.problems(), environments.rules().action);
     let walks: Vec<[Option<Samples>; 2]> = failed
         .par_iter()
         .map(|stuck| {
-            let walk = |x: Option<&Stuck>| {
-                walk(kind, stuck.task, x, problems, experts, rule, config.steps)
+            let walk = |from: Option<&Stuck>| {
+                let problem = problems[stuck.task].clone();
+                walk(kind, stuck.task, problem, from, experts, rule, config.steps)
             };
             [walk(None), walk(Some(stuck))]
         })
@@ -113,22 +120,20 @@ pub fn repair(
     Repaired { samples, failed: failed.len(), repaired }
 }
 
-/// The expert's walk from `stuck`, or from the straight line; none if it does not become feasible.
+/// The expert's walk on a task from where it got stuck, or from the straight line; none if it does
+/// not become feasible.
 fn walk(
     kind: ExpertKind,
     task: usize,
-    stuck: Option<&Stuck>,
-    problems: &[Problem],
+    mut problem: Problem,
+    from: Option<&Stuck>,
     experts: &Experts,
     rule: ActionRule,
     steps: usize,
 ) -> Option<Samples> {
-    let mut problem = problems[task].clone();
-    let dim = problem.objective.dim();
-    let (mut x, mut gradient, mut answer) = (vec![0.0; dim], vec![0.0; dim], vec![0.0; dim]);
-    let mut observation = vec![0.0; problem.encoder.len(&problem.objective)];
+    let mut x = vec![0.0; problem.objective.dim()];
     problem.encoder.reset();
-    match stuck {
+    match from {
         Some(stuck) => {
             x.copy_from_slice(&stuck.x);
             problem.encoder.restore(&stuck.memory);
@@ -136,25 +141,21 @@ fn walk(
         None => problem.objective.straight_line(&mut x),
     }
     let mut samples = Samples::default();
-    for _ in 0..steps {
-        if problem.objective.is_feasible(&x) {
-            return Some(samples);
+    let solved = problem.walk(&mut x, steps, rule, |place, answer| {
+        if !experts.answer(kind, task, place.problem, place.x, place.gradient, answer) {
+            return false;
         }
-        problem.observe(&x, &mut gradient, &mut observation);
-        if !experts.answer(kind, task, &problem, &x, &gradient, &mut answer) {
-            return None;
-        }
-        samples.observations.extend_from_slice(&observation);
-        samples.targets.extend_from_slice(&answer);
-        rule.apply(&answer, problem.objective.scene().normalised_limits(), &mut x);
-    }
-    problem.objective.is_feasible(&x).then_some(samples)
+        samples.observations.extend_from_slice(place.observation);
+        samples.targets.extend_from_slice(answer);
+        true
+    });
+    solved.map(|_| samples)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::environment::Rules;
+    use crate::environments::Rules;
     use crate::paper::agent::Agent;
     use crate::paper::expert::ExpertConfig;
     use crate::paper::stages::ppo::{PpoConfig, collect};
@@ -167,23 +168,19 @@ mod tests {
     fn failed_episodes_become_demonstrations_and_their_environments_go_on() {
         let parts = [ObservationPart::Gradient, ObservationPart::PreviousGradients { count: 1 }];
         let tasks = Suite::Hard.generate(6, 1000, &Profile::PAPER);
-        let problems: Vec<Problem> = tasks
-            .iter()
-            .map(|task| Problem::new(task, &Profile::PAPER, 10, &parts).unwrap())
-            .collect();
         let rule = ActionRule::PAPER;
-        let experts = Experts::new(tasks, ExpertConfig::default(), rule, 3);
+        let experts = Experts::new(tasks.clone(), ExpertConfig::default(), rule, 3);
         let agent = Agent::new(40, 8, 20, Initialization::Orthogonal, -4.0, 1).unwrap();
         let check = |episode_limit: Option<u32>, steps: usize, expert: RepairBy| {
-            let mut environments: Vec<Environment> =
-                (0..3).map(|index| Environment::new(index, &problems, 3)).collect();
             let rules = Rules { action: rule, mu: 0.1, feasible_bonus: 0.0, episode_limit };
+            let environments = Environments::new(&tasks, &Profile::PAPER, &parts, rules, 3, 3);
+            let mut environments = environments.unwrap();
             let ppo = PpoConfig { steps, ..PpoConfig::default() };
             let mut rollouts = Vec::new();
-            collect(&agent, &mut environments, &problems, &rules, &ppo, &mut rollouts);
+            collect(&agent, &mut environments, &ppo, &mut rollouts);
             let config = RepairConfig { expert, after: 10, ..RepairConfig::default() };
-            let found = repair(&mut environments, &rollouts, &problems, &experts, rule, &config);
-            let tasks: Vec<usize> = environments.iter().map(|env| env.save().task).collect();
+            let found = repair(&mut environments, &rollouts, &experts, &config);
+            let tasks: Vec<usize> = environments.all().iter().map(|env| env.save().task).collect();
             (found, tasks)
         };
         let (none, tasks) = check(None, 10, RepairBy::None);
@@ -197,7 +194,8 @@ mod tests {
         // Cut off twice in 8 steps, then 0 steps old at the end.
         let (cut, _) = check(Some(4), 8, RepairBy::ShortestPath);
         assert_eq!(cut.failed, 6);
-        // Gradient descent does not solve what is hard, so it demonstrates nothing from the straight line.
+        // Gradient descent does not solve what is hard, so it demonstrates nothing from the
+        // straight line.
         let (descent, _) = check(None, 10, RepairBy::GradientDescent);
         assert_eq!(descent.failed, 3);
         assert!(descent.repaired < old.repaired);

@@ -1,4 +1,5 @@
-//! Collecting experience: every environment takes the same number of steps under the current policy.
+//! Collecting experience: every environment takes the same number of steps under the current
+//! policy.
 
 use rayon::prelude::*;
 use sidestep::network::Scratch;
@@ -6,9 +7,10 @@ use sidestep::network::Scratch;
 use super::advantage::{Steps, generalised_advantages};
 use super::loss::Minibatch;
 use super::{PpoConfig, UpdateMetrics};
-use crate::environment::{Environment, Problem, Rules, Stuck};
+use crate::environments::{Environments, Stuck};
 use crate::paper::agent::Agent;
 use crate::paper::gaussian::{self, Density};
+use crate::parameters::finite;
 
 /// One environment's steps of one update; each slice has one entry (or row) per step, in order.
 #[derive(Debug, Clone, Default)]
@@ -27,22 +29,17 @@ pub struct Rollout {
     stuck: Vec<Stuck>,
 }
 
-/// Environments that one thread runs together; the results do not depend on it.
-const TOGETHER: usize = 25;
-
 /// Runs every environment for `config.steps` steps, and estimates advantages and returns.
 pub fn collect(
     agent: &Agent,
-    environments: &mut [Environment],
-    problems: &[Problem],
-    rules: &Rules,
+    environments: &mut Environments,
     config: &PpoConfig,
     rollouts: &mut Vec<Rollout>,
 ) {
-    let (count, density) = (environments.len(), Density::new(&agent.log_std));
-    rollouts.resize_with(count, Rollout::default);
-    let groups = environments.par_chunks_mut(TOGETHER).zip(rollouts.par_chunks_mut(TOGETHER));
-    groups.for_each(|(environments, rollouts)| {
+    let density = Density::new(&agent.log_std);
+    rollouts.resize_with(environments.len(), Rollout::default);
+    let groups = environments.groups().zip(rollouts.par_chunks_mut(Environments::group_size()));
+    groups.for_each(|(mut group, rollouts)| {
         let (mut policy, mut value) = <(Scratch, Scratch)>::default();
         let mut alone = <(Scratch, Scratch)>::default();
         let mut observations = Vec::new();
@@ -50,17 +47,17 @@ pub fn collect(
         rollouts.iter_mut().for_each(Rollout::clear);
         for _ in 0..config.steps {
             observations.clear();
-            environments.iter().for_each(|env| observations.extend_from_slice(env.observation()));
+            group.all.iter().for_each(|env| observations.extend_from_slice(env.observation()));
             agent.evaluate(&observations, &mut policy, &mut value);
-            for (row, (env, rollout)) in environments.iter_mut().zip(&mut *rollouts).enumerate() {
-                let mean = policy.output(row);
+            for (row, rollout) in rollouts.iter_mut().enumerate() {
+                let (mean, env) = (policy.output(row), &mut group.all[row]);
                 gaussian::sample(mean, &agent.log_std, &mut env.rng, &mut action);
                 rollout.observations.extend_from_slice(env.observation());
                 rollout.actions.extend_from_slice(&action);
                 rollout.log_probs.push(density.log_prob(&action, mean));
                 rollout.values.push(value.output(row)[0]);
-                let outcome = env.step(&action, rules);
-                let mut reward = outcome.reward;
+                let outcome = group.step(row, &action);
+                let (mut reward, env) = (outcome.reward, &group.all[row]);
                 if outcome.truncated {
                     rollout.stuck.push(env.stuck());
                     // The rest of an episode that was cut off is worth what the value network says.
@@ -71,11 +68,11 @@ pub fn collect(
                 rollout.dones.push(outcome.done());
                 if outcome.done() {
                     rollout.episodes.push((outcome.age, outcome.solved));
-                    env.reset(problems, count);
+                    group.reset(row);
                 }
             }
         }
-        for (env, rollout) in environments.iter().zip(rollouts) {
+        for (env, rollout) in group.all.iter().zip(rollouts) {
             let rest = agent.value_of(env.observation(), &mut alone.0, &mut alone.1);
             rollout.estimate(rest, config);
         }
@@ -153,11 +150,15 @@ pub(super) fn summary(rollouts: &[Rollout]) -> UpdateMetrics {
     let episodes: Vec<(u32, bool)> = rollouts.iter().flat_map(|r| r.episodes.clone()).collect();
     let lengths: Vec<f64> = episodes.iter().map(|&(length, _)| f64::from(length)).collect();
     UpdateMetrics {
-        mean_reward: mean(&all(|rollout| &rollout.rewards)),
+        mean_reward: finite(mean(&all(|rollout| &rollout.rewards))),
         episodes: episodes.len(),
         solved: episodes.iter().filter(|(_, solved)| *solved).count(),
         episode_length: mean(&lengths),
-        explained_variance: 1.0 - variance(&errors) / variance(&returns).max(f64::MIN_POSITIVE),
+        // Of returns that are all the same nothing can be explained; the quotient may overflow
+        // then.
+        explained_variance: finite(
+            1.0 - variance(&errors) / variance(&returns).max(f64::MIN_POSITIVE),
+        ),
         ..UpdateMetrics::default()
     }
 }
@@ -165,6 +166,7 @@ pub(super) fn summary(rollouts: &[Rollout]) -> UpdateMetrics {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::environments::Rules;
     use crate::parameters::Initialization;
     use sidestep::policy::ActionRule;
     use sidestep::policy::observation::ObservationPart;
@@ -174,23 +176,20 @@ mod tests {
     #[test]
     fn an_episode_that_is_cut_off_is_worth_what_the_value_network_says() {
         let parts = [ObservationPart::Gradient];
-        let problems: Vec<Problem> = Suite::HardTraining
-            .generate(1, 1000, &Profile::PAPER)
-            .iter()
-            .map(|task| Problem::new(task, &Profile::PAPER, 10, &parts).unwrap())
-            .collect();
+        let tasks = Suite::HardTraining.generate(1, 1000, &Profile::PAPER);
         let agent = Agent::new(20, 8, 20, Initialization::Orthogonal, -4.0, 1).unwrap();
         let config = PpoConfig { steps: 1, gamma: 0.9, ..PpoConfig::default() };
-        let mut environments = vec![Environment::new(0, &problems, 3)];
-        let mut by_hand = environments[0].clone();
         let rules = Rules {
             action: ActionRule::PAPER,
             mu: 0.1,
             feasible_bonus: 0.0,
             episode_limit: Some(1),
         };
+        let environments = Environments::new(&tasks, &Profile::PAPER, &parts, rules, 1, 3);
+        let mut environments = environments.unwrap();
+        let mut by_hand = environments.all()[0].clone();
         let mut rollouts = Vec::new();
-        collect(&agent, &mut environments, &problems, &rules, &config, &mut rollouts);
+        collect(&agent, &mut environments, &config, &mut rollouts);
 
         let (mut scratch, mut mean, mut value) = (Scratch::default(), [0.0; 20], [0.0]);
         agent.policy.forward(by_hand.observation(), &mut scratch, &mut mean);

@@ -1,56 +1,11 @@
-//! Trajectory optimisation as a partially observable decision process (paper, section I.B).
-//!
-//! - state: the waypoints of a trajectory of one task; it begins as the straight line;
-//! - observation: what the core's [`Encoder`] writes, in the paper the gradient of U;
-//! - action: an update of the waypoints, clipped and applied by the core's [`ActionRule`];
-//! - reward: -U of the new trajectory, or bonus - mu U if that is feasible (the paper: no bonus);
-//! - end: at the first feasible step. There is no time limit unless one is set: what is not solved goes on
-//!   over the next update. A time limit *truncates*: the value of the last observation stands in for the rest.
-//!
-//! An environment takes the tasks of the set in turn: number e of E has tasks e, e + E, .. modulo their number, so with as
-//! many environments as tasks (the paper: 100 each) it keeps one. The noise of its actions comes from its own stream.
+//! One environment of the decision process: its task, its episode and its noise.
 
 use rand_chacha::ChaCha8Rng;
-use sidestep::objective::{Cost, Objective};
+use sidestep::objective::Cost;
 use sidestep::policy::ActionRule;
-use sidestep::policy::observation::{Encoder, ObservationPart};
-use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
-use sidestep::scene::Query;
-use sidestep::{InvalidInput, Task};
 
-/// A task made ready: its objective and its encoder.
-#[derive(Debug, Clone)]
-pub struct Problem {
-    /// U, its gradient and the feasibility check.
-    pub objective: Objective,
-    /// The observation of this task.
-    pub encoder: Encoder,
-}
-
-impl Problem {
-    /// Prepares `task` for trajectories of `waypoints` free points.
-    ///
-    /// # Errors
-    /// If the observation does not fit the task, or the number of waypoints is out of range.
-    pub fn new(
-        task: &Task,
-        profile: &Profile,
-        waypoints: usize,
-        parts: &[ObservationPart],
-    ) -> Result<Self, InvalidInput> {
-        let objective = Objective::new(&Query::of(task, profile), waypoints)?;
-        let encoder = Encoder::new(parts, &objective)?;
-        Ok(Self { objective, encoder })
-    }
-
-    /// U at `x [N x dof]`, with `gradient [N x dof]` and `observation` written.
-    pub fn observe(&mut self, x: &[f32], gradient: &mut [f32], observation: &mut [f32]) -> Cost {
-        let cost = self.objective.cost_and_gradient(x, gradient);
-        self.encoder.encode(&self.objective, x, gradient, observation);
-        cost
-    }
-}
+use super::problem::Problem;
 
 /// What the process rewards and allows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,11 +20,21 @@ pub struct Rules {
     pub episode_limit: Option<u32>,
 }
 
+impl Rules {
+    /// The paper's reward of a step, from its parts: -U, or bonus - mu U if the new trajectory is
+    /// feasible.
+    pub fn reward(&self, cost: Cost, solved: bool) -> f32 {
+        if solved { self.feasible_bonus - self.mu * cost.total } else { -cost.total }
+    }
+}
+
 /// What one step led to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// The reward.
     pub reward: f32,
+    /// U of the new trajectory with its parts, of which a reward can be made.
+    pub cost: Cost,
     /// Whether the new trajectory is feasible, which ends the episode.
     pub solved: bool,
     /// Whether the time limit ends it instead.
@@ -173,13 +138,12 @@ impl Environment {
         self.age += 1;
         let cost = self.problem.observe(&self.x, &mut self.gradient, &mut self.observation);
         let solved = self.problem.objective.is_feasible(&self.x);
-        let reward =
-            if solved { rules.feasible_bonus - rules.mu * cost.total } else { -cost.total };
         let truncated = !solved && rules.episode_limit.is_some_and(|limit| self.age >= limit);
-        Outcome { reward, solved, truncated, age: self.age }
+        Outcome { reward: rules.reward(cost, solved), cost, solved, truncated, age: self.age }
     }
 
-    /// Begins the next episode, on the next of its tasks out of `problems`, with `count` environments in all.
+    /// Begins the next episode, on the next of its tasks out of `problems`, with `count`
+    /// environments in all.
     pub fn reset(&mut self, problems: &[Problem], count: usize) {
         let next = (self.task + count) % problems.len();
         if next != self.task {
@@ -208,8 +172,8 @@ impl Environment {
         }
     }
 
-    /// Puts a saved state back into an environment of the same index and seed; `problem` is its task made ready, and the
-    /// slices have the lengths that belong to it.
+    /// Puts a saved state back into an environment of the same index and seed; `problem` is its
+    /// task made ready, and the slices have the lengths that belong to it.
     pub(crate) fn restore(&mut self, saved: Saved, problem: &Problem) {
         self.problem.clone_from(problem);
         self.problem.encoder.restore(&saved.memory);
@@ -224,6 +188,8 @@ impl Environment {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sidestep::policy::observation::ObservationPart;
+    use sidestep::profile::Profile;
     use sidestep::suite::Suite;
 
     const RULES: Rules =
@@ -252,9 +218,9 @@ mod tests {
                 let outcome = environment.step(&action, &RULES);
                 assert_eq!(environment.waypoints(), x);
                 let solved = problem.objective.is_feasible(&x);
-                let cost = problem.objective.cost(&x).total;
-                let reward = if solved { -0.1 * cost } else { -cost };
-                let expected = Outcome { reward, solved, truncated: false, age };
+                let cost = problem.objective.cost(&x);
+                let reward = if solved { -0.1 * cost.total } else { -cost.total };
+                let expected = Outcome { reward, cost, solved, truncated: false, age };
                 assert_eq!(outcome, expected);
                 if solved {
                     break;
