@@ -144,8 +144,9 @@ impl Trainer {
         let policy_sizes = trainer.agent.policy.sizes().to_vec();
         let value_sizes = trainer.agent.value.sizes().to_vec();
         let (parts, waypoints) = (trainer.setup.parts.clone(), trainer.setup.profile.waypoints);
-        let mut read_policy =
-            |prefix: &str| read_parameters(&mut reader, &parts, waypoints, &policy_sizes, prefix);
+        let mut read_policy = |prefix: &str| {
+            read_parameters(&mut reader, &parts, (waypoints, 2), &policy_sizes, prefix)
+        };
         trainer.agent.policy = read_policy("policy.")?;
         let best_network = document.best.as_ref().map(|_| read_policy("best.")).transpose()?;
         trainer.agent.value = read_network(&mut reader, &value_sizes, "value.")?;

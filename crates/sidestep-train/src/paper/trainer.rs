@@ -392,6 +392,7 @@ impl Trainer {
         };
         let curve: Vec<_> = self.curve.iter().enumerate().filter_map(point).collect();
         let card = PolicyCard {
+            dof: 2,
             format: String::new(),
             architecture: String::new(),
             sizes: Vec::new(),

@@ -87,8 +87,8 @@ impl Initialization {
         hidden: usize,
         rng: &mut ChaCha8Rng,
     ) -> Result<Network, InvalidInput> {
-        let sizes = sizes_for(parts, waypoints, &[hidden, hidden], 2 * waypoints);
-        let Some(image_at) = image_place(parts, waypoints) else {
+        let sizes = sizes_for(parts, waypoints, 2, &[hidden, hidden], 2 * waypoints);
+        let Some(image_at) = image_place(parts, waypoints, 2) else {
             return Ok(self.network(&sizes, Role::Policy, rng)?.into());
         };
         let head = self.network(&sizes[1..], Role::Policy, rng)?;

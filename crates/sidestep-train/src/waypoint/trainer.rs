@@ -356,6 +356,7 @@ impl WaypointTrainer {
             })
             .collect();
         let card = PolicyCard {
+            dof: 2,
             format: String::new(),
             architecture: String::new(),
             sizes: Vec::new(),

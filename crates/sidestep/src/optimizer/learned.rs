@@ -114,6 +114,10 @@ impl Learned {
         rng: ChaCha8Rng,
     ) -> Result<Self, InvalidInput> {
         policy.check_use(objective.waypoints(), objective.scene().profile().name)?;
+        if policy.card().dof != objective.dof() {
+            let allowed = format!("{}, as the task's robot has", objective.dof());
+            return Err(InvalidInput::new("policy.dof", policy.card().dof, allowed));
+        }
         let sight = match policy.network() {
             PolicyNetwork::Whole { parts, .. } => {
                 let encoder = Encoder::new(parts, objective)?;

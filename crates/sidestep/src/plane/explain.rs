@@ -1,9 +1,8 @@
 //! What is wrong with a start or goal, in numbers, and what somebody may have meant.
 
-use crate::plane::Robot;
 use crate::plane::certificate::Certifier;
 use crate::plane::geometry::{Point, Rect, add, scale};
-use crate::scene::PlaneTask;
+use crate::plane::{PlaneTask, Robot};
 use crate::trajectory::{Trajectory, Violation};
 
 /// Directions and distances in which a free point is looked for.

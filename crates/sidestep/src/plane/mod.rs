@@ -13,6 +13,7 @@ mod sampled_check;
 mod scene;
 pub mod shortest_path;
 pub mod surroundings;
+mod task;
 pub mod view;
 pub mod world;
 
@@ -20,6 +21,7 @@ pub use explain::explain;
 pub use frame::Frame;
 pub use robot::Robot;
 pub use scene::{MOST_SHAPES_OF_A_FIELD, PlaneScene, Subject};
+pub use task::PlaneTask;
 
 use crate::trajectory::Trajectory;
 use geometry::Point;

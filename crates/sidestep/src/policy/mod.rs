@@ -42,12 +42,15 @@ pub struct PolicyCard {
     pub format: String,
     /// `mlp`; `cnn` where the observation has an image; or `waypoint`.
     pub architecture: String,
-    /// Of an `mlp`, the layers' sizes `[observation, hidden.., 2 x waypoints]`; of a `cnn` the same, with
+    /// Of an `mlp`, the layers' sizes `[observation, hidden.., waypoints x dof]`; of a `cnn` the same, with
     /// the features of the image second; of a `waypoint` network
     /// `[row, width, dilation..]`.
     pub sizes: Vec<usize>,
     /// Waypoints N of the trajectories that it updates; a `waypoint` network was trained mostly for so many.
     pub waypoints: usize,
+    /// Coordinates of the robot's configurations; 2, the plane, where a file does not say.
+    #[serde(default = "plane", skip_serializing_if = "is_plane")]
+    pub dof: usize,
     /// Names of the observation's parts, in order; see [`ObservationPart`] and [`ViewParts::from_names`].
     pub observation: Vec<String>,
     /// Name of the profile that it was trained in; an `mlp` serves no other.
@@ -59,6 +62,17 @@ pub struct PolicyCard {
     /// Licence of the weights, as an SPDX expression.
     pub licence: String,
 }
+
+fn plane() -> usize {
+    2
+}
+
+fn is_plane(dof: &usize) -> bool {
+    *dof == plane()
+}
+
+/// Most coordinates of a configuration.
+const MAX_DOF: usize = 64;
 
 /// What a policy sees and thinks with.
 #[derive(Debug, Clone, PartialEq)]
@@ -190,8 +204,8 @@ impl Policy {
             }
             _ => {
                 let parts = check_whole(&card)?;
-                let (sizes, waypoints) = (&card.sizes, card.waypoints);
-                let network = read_parameters(&mut reader, &parts, waypoints, sizes, "")?;
+                let shape = (card.waypoints, card.dof);
+                let network = read_parameters(&mut reader, &parts, shape, &card.sizes, "")?;
                 PolicyNetwork::Whole { parts, network }
             }
         };
@@ -208,18 +222,18 @@ pub fn parameter_tensors<'a>(network: &'a Network, prefix: &str) -> Vec<Tensor<'
     network.parts().into_iter().map(tensor).collect()
 }
 
-/// Reads back what [`parameter_tensors`] wrote, for a network over `parts` of so many waypoints.
+/// Reads back what [`parameter_tensors`] wrote, for a network over `parts` of so many waypoints of `dof` coordinates.
 ///
 /// # Errors
 /// If a tensor is missing or is not finite f32 of the shape that `sizes` asks for.
 pub fn read_parameters(
     reader: &mut Reader,
     parts: &[ObservationPart],
-    waypoints: usize,
+    (waypoints, dof): (usize, usize),
     sizes: &[usize],
     prefix: &str,
 ) -> Result<Network, InvalidInput> {
-    let Some(image_at) = image_place(parts, waypoints) else {
+    let Some(image_at) = image_place(parts, waypoints, dof) else {
         return Ok(read_network(reader, sizes, prefix)?.into());
     };
     // Of zeros, for the names and shapes; a file that holds far less is refused before they are made, and
@@ -294,6 +308,10 @@ fn check_card(card: &PolicyCard) -> Result<(), InvalidInput> {
         let allowed = format!("a number from 1 to {MAX_WAYPOINTS}");
         return Err(InvalidInput::new("policy.waypoints", card.waypoints, allowed));
     }
+    if !(1..=MAX_DOF).contains(&card.dof) {
+        let allowed = format!("a number from 1 to {MAX_DOF}");
+        return Err(InvalidInput::new("policy.dof", card.dof, allowed));
+    }
     card.action.check()
 }
 
@@ -322,7 +340,8 @@ fn check_whole(card: &PolicyCard) -> Result<Vec<ObservationPart>, InvalidInput> 
     let named: Result<Vec<_>, _> =
         card.observation.iter().map(|name| name.parse::<ObservationPart>()).collect();
     let parts = named.map_err(|error| error.inside("policy"))?;
-    let length = observation_len(&parts, card.waypoints).map_err(|error| error.inside("policy"))?;
+    let length = observation_len(&parts, card.waypoints, card.dof)
+        .map_err(|error| error.inside("policy"))?;
     let expected = architecture_for(&parts);
     if card.architecture != expected {
         let observation = card.observation.join(" + ");
@@ -330,13 +349,13 @@ fn check_whole(card: &PolicyCard) -> Result<Vec<ObservationPart>, InvalidInput> 
         return Err(InvalidInput::new("policy.architecture", &card.architecture, allowed));
     }
     let (first, last) = (card.sizes.first().copied(), card.sizes.last().copied());
-    if card.sizes.len() < 2 || first != Some(length) || last != Some(2 * card.waypoints) {
+    if card.sizes.len() < 2 || first != Some(length) || last != Some(card.dof * card.waypoints) {
         return Err(InvalidInput::new(
             "policy.sizes",
             format!("{:?}", card.sizes),
             format!(
                 "[{length}, .., {}] for the observation {} of {} waypoints",
-                2 * card.waypoints,
+                card.dof * card.waypoints,
                 card.observation.join(" + "),
                 card.waypoints
             ),

@@ -6,6 +6,7 @@ use super::*;
 
 fn card(observation: &[&str], waypoints: usize) -> PolicyCard {
     PolicyCard {
+        dof: 2,
         format: String::new(),
         architecture: String::new(),
         sizes: Vec::new(),
@@ -43,7 +44,7 @@ fn changed(change: impl FnOnce(&mut serde_json::Value)) -> Vec<u8> {
 
 fn image_policy() -> Policy {
     let parts = [ObservationPart::Ends, ObservationPart::Image, ObservationPart::Gradient];
-    let sizes = crate::policy::observation::sizes_for(&parts, 10, &[3, 4], 20);
+    let sizes = crate::policy::observation::sizes_for(&parts, 10, 2, &[3, 4], 20);
     let count = Cnn::parameter_count(&sizes, 4).unwrap();
     let parameters = (0..count).map(|i| (i as f32 * 0.7).sin()).collect();
     let network = Cnn::new(&sizes, 4, parameters).unwrap();
@@ -95,6 +96,8 @@ fn contradictions_name_both_sides() {
     check(changed(|d| d["format"] = "sidestep.policy/2".into()), "expected sidestep.policy/1");
     check(changed(|d| d["architecture"] = "conv".into()), "policy.architecture: conv");
     check(changed(|d| d["profile"] = "papr".into()), "policy.profile: `papr`");
+    check(changed(|d| d["dof"] = 0.into()), "policy.dof: 0");
+    check(changed(|d| d["dof"] = 3.into()), "policy.sizes");
     check(changed(|d| d["waypoints"] = 12.into()), "[37, .., 24]");
     check(changed(|d| d["waypoints"] = 0.into()), "policy.waypoints: 0");
     check(changed(|d| d["waypoints"] = u64::MAX.into()), "policy.waypoints");
@@ -157,6 +160,22 @@ fn a_waypoint_policy_comes_back_and_others_are_refused() {
     changed(&|d| d["sizes"][1] = (1_u64 << 40).into(), &["network.width"]);
     changed(&|d| d["sizes"][2] = 0.into(), &["network.dilations: 0"]);
     changed(&|d| d["architecture"] = "mlp".into(), &["waypoints"]);
+}
+
+#[test]
+fn robots_of_other_coordinates_have_policies_and_are_not_mixed_up() {
+    let card = PolicyCard { dof: 7, ..card(&["gradient", "ends"], 3) };
+    let sizes = [7 * 3 + 14, 4, 7 * 3];
+    let count = Mlp::parameter_count(&sizes).unwrap();
+    let policy = Policy::new(card, Mlp::new(&sizes, vec![0.1; count]).unwrap()).unwrap();
+    let bytes = policy.to_safetensors().unwrap();
+    assert_eq!(Policy::from_safetensors(&bytes).unwrap(), policy);
+    let task = crate::Suite::Easy.generate(1, 7, &Profile::PAPER).remove(0);
+    let planner = crate::Planner::Optimizer(crate::Method::Learned(std::sync::Arc::new(policy)));
+    let refused = crate::plan(&task, &planner, &planner.options().unwrap()).unwrap_err();
+    assert_eq!((refused.field.as_str(), refused.value.as_str()), ("policy.dof", "7"));
+    // The plane goes without saying, so files of the plane are as they were.
+    assert!(!serde_json::to_string(self::policy().card()).unwrap().contains("dof"));
 }
 
 #[test]

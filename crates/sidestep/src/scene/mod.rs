@@ -16,8 +16,9 @@
 mod query;
 mod task;
 
+pub use crate::plane::PlaneTask;
 pub use query::{Query, Refused};
-pub use task::{PlaneTask, Setting, Task};
+pub use task::{Setting, Task};
 
 use crate::arm::ArmScene;
 use crate::kernels::Block;

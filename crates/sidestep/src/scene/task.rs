@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use crate::arm::Arm;
 use crate::error::{InvalidInput, finite, finite_point};
-use crate::plane::Robot;
 use crate::plane::geometry::Point;
 use crate::plane::world::World;
+use crate::plane::{PlaneTask, Robot};
 use crate::space;
 
 /// Which robot moves, and among what. Shared, so that many queries on one map cost one map.
@@ -63,21 +63,6 @@ pub struct Task {
     pub start: Vec<f64>,
     /// Goal configuration `[dof]`, in task units.
     pub goal: Vec<f64>,
-}
-
-/// A task in the plane, part by part.
-#[derive(Debug, Clone, Copy)]
-pub struct PlaneTask<'a> {
-    /// A name for reports; may be empty.
-    pub name: &'a str,
-    /// What the robot moves in.
-    pub world: &'a Arc<World>,
-    /// The body that moves.
-    pub robot: Robot,
-    /// Where it begins, in task units.
-    pub start: Point,
-    /// Where it ends.
-    pub goal: Point,
 }
 
 impl Task {

@@ -35,7 +35,7 @@ impl Setup {
             .iter()
             .map(|name| name.parse::<ObservationPart>())
             .collect::<Result<_, _>>()?;
-        let observation = observation_len(&parts, profile.waypoints)?;
+        let observation = observation_len(&parts, profile.waypoints, 2)?;
         check_ranges(&config)?;
         check_repair(&config)?;
         memory::check(&config, observation, &parts, profile.waypoints)?;

@@ -13,19 +13,19 @@ use crate::plane::surroundings::image::{self, Trail};
 use crate::plane::surroundings::waypoint_image;
 use crate::profile::NORMALISED_EXTENT;
 
-/// One part of an observation. N is the number of waypoints.
+/// One part of an observation. N is the number of waypoints, dof that of a configuration's coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ObservationPart {
-    /// The gradient of U, `[N x 2]`.
+    /// The gradient of U, `[N x dof]`.
     Gradient,
     /// The obstacle cost of each waypoint, then their mean: N + 1 numbers.
     ObstacleCost,
-    /// The gradients of the last `count` steps, newest first, zero before the first: `[count x N x 2]`.
+    /// The gradients of the last `count` steps, newest first, zero before the first: `[count x N x dof]`.
     PreviousGradients {
         /// How many earlier gradients.
         count: usize,
     },
-    /// The waypoints from the field's centre in half-extents (`centred`), `[N x 2]`.
+    /// The waypoints from the field's centre in half-extents (`centred_all`), `[N x dof]`.
     Trajectory,
     /// Centre and size of each obstacle's bounding box in the same units, `[count x 4]`, zero
     /// where there are fewer.
@@ -44,7 +44,7 @@ pub enum ObservationPart {
         /// How many each waypoint sees.
         count: usize,
     },
-    /// Start and goal in the same units: 4 numbers.
+    /// Start and goal in the same units: `[2 x dof]`.
     Ends,
     /// The workspace and the trajectory as an image, `[64 x 64]` (`image.rs`).
     Image,
@@ -78,15 +78,15 @@ impl ObservationPart {
         }
     }
 
-    /// How many numbers the part takes for `waypoints` waypoints.
-    pub fn len(&self, waypoints: usize) -> usize {
+    /// How many numbers the part takes for `waypoints` waypoints of `dof` coordinates.
+    pub fn len(&self, waypoints: usize, dof: usize) -> usize {
         match self {
-            Self::Gradient | Self::Trajectory => 2 * waypoints,
+            Self::Gradient | Self::Trajectory => dof * waypoints,
             Self::ObstacleCost => waypoints + 1,
-            Self::PreviousGradients { count } => count * 2 * waypoints,
+            Self::PreviousGradients { count } => count * dof * waypoints,
             Self::Obstacles { count } | Self::NearestObstacles { count } => 4 * count,
             Self::WaypointObstacles { count } => 4 * count * waypoints,
-            Self::Ends => 4,
+            Self::Ends => 2 * dof,
             Self::Image | Self::WaypointImage => IMAGE_SIDE * IMAGE_SIDE,
         }
     }
@@ -150,7 +150,11 @@ impl std::fmt::Display for ObservationPart {
 ///
 /// # Errors
 /// If the list is empty, names a kind of part twice, has two images, or the waypoints are more than one of the parts holds.
-pub fn observation_len(parts: &[ObservationPart], waypoints: usize) -> Result<usize, InvalidInput> {
+pub fn observation_len(
+    parts: &[ObservationPart],
+    waypoints: usize,
+    dof: usize,
+) -> Result<usize, InvalidInput> {
     if parts.is_empty() {
         return Err(InvalidInput::new("observation", "no part", "at least one part"));
     }
@@ -168,13 +172,13 @@ pub fn observation_len(parts: &[ObservationPart], waypoints: usize) -> Result<us
             waypoint_image::check(waypoints)?;
         }
     }
-    Ok(parts.iter().map(|part| part.len(waypoints)).sum())
+    Ok(parts.iter().map(|part| part.len(waypoints, dof)).sum())
 }
 
 /// Where the image begins in an observation of these parts, if there is one.
-pub fn image_place(parts: &[ObservationPart], waypoints: usize) -> Option<usize> {
+pub fn image_place(parts: &[ObservationPart], waypoints: usize, dof: usize) -> Option<usize> {
     let index = parts.iter().position(ObservationPart::is_image)?;
-    Some(parts[..index].iter().map(|part| part.len(waypoints)).sum())
+    Some(parts[..index].iter().map(|part| part.len(waypoints, dof)).sum())
 }
 
 /// Name of the architecture that reads an observation of these parts: `cnn` where there is an image, else `mlp`.
@@ -182,15 +186,16 @@ pub fn architecture_for(parts: &[ObservationPart]) -> &'static str {
     if parts.iter().any(ObservationPart::is_image) { "cnn" } else { "mlp" }
 }
 
-/// Sizes of the layers of a network that reads `parts` of so many waypoints, with these hidden layers.
+/// Sizes of the layers of a network that reads `parts` of so many waypoints of `dof` coordinates, with these hidden layers.
 pub fn sizes_for(
     parts: &[ObservationPart],
     waypoints: usize,
+    dof: usize,
     hidden: &[usize],
     outputs: usize,
 ) -> Vec<usize> {
-    let mut sizes = vec![parts.iter().map(|part| part.len(waypoints)).sum()];
-    sizes.extend(image_place(parts, waypoints).map(|_| FEATURES));
+    let mut sizes = vec![parts.iter().map(|part| part.len(waypoints, dof)).sum()];
+    sizes.extend(image_place(parts, waypoints, dof).map(|_| FEATURES));
     sizes.extend_from_slice(hidden);
     sizes.push(outputs);
     sizes
@@ -217,7 +222,7 @@ impl Encoder {
     /// # Errors
     /// If the parts contradict each other or the world has more obstacles than the observation.
     pub fn new(parts: &[ObservationPart], objective: &Objective) -> Result<Self, InvalidInput> {
-        observation_len(parts, objective.waypoints())?;
+        observation_len(parts, objective.waypoints(), objective.dof())?;
         let plane = |part: &ObservationPart| {
             let refuse =
                 || InvalidInput::new("observation", part.name(), "parts that need no plane");
@@ -260,7 +265,7 @@ impl Encoder {
 
     /// Length of the observation.
     pub fn len(&self, objective: &Objective) -> usize {
-        self.parts.iter().map(|part| part.len(objective.waypoints())).sum()
+        self.parts.iter().map(|part| part.len(objective.waypoints(), objective.dof())).sum()
     }
 
     /// Never: an observation holds at least one number.
@@ -289,8 +294,8 @@ impl Encoder {
     pub fn encode(&mut self, objective: &Objective, x: &[f32], gradient: &[f32], out: &mut [f32]) {
         let mut rest = out;
         for part in &self.parts {
-            let (part_out, after) =
-                std::mem::take(&mut rest).split_at_mut(part.len(objective.waypoints()));
+            let (part_out, after) = std::mem::take(&mut rest)
+                .split_at_mut(part.len(objective.waypoints(), objective.dof()));
             rest = after;
             match part {
                 ObservationPart::Gradient => part_out.copy_from_slice(gradient),

@@ -123,14 +123,17 @@ fn names_read_back_and_a_part_appears_once() {
         assert_eq!(part.name().parse::<ObservationPart>(), Ok(part));
     }
     let both = [ObservationPart::WaypointImage, ObservationPart::Gradient, ObservationPart::Image];
-    assert_eq!(image_place(&both, 10), Some(0));
-    let message = observation_len(&both, 10).unwrap_err().to_string();
+    assert_eq!(image_place(&both, 10, 2), Some(0));
+    let message = observation_len(&both, 10, 2).unwrap_err().to_string();
     assert!(message.contains("one image"), "{message}");
-    let message = observation_len(&both[..2], 17).unwrap_err().to_string();
+    let message = observation_len(&both[..2], 17, 2).unwrap_err().to_string();
     assert!(message.contains("at most 16"), "{message}");
-    assert_eq!(image_place(&parts, 10), Some(20 + 11 + 60 + 20 + 40 + 32 + 80 + 4));
-    assert_eq!(observation_len(&parts, 10).unwrap(), 20 + 11 + 60 + 20 + 40 + 32 + 80 + 4 + 4096);
-    let twice = observation_len(&[ObservationPart::Image, ObservationPart::Image], 10);
+    assert_eq!(image_place(&parts, 10, 2), Some(20 + 11 + 60 + 20 + 40 + 32 + 80 + 4));
+    assert_eq!(
+        observation_len(&parts, 10, 2).unwrap(),
+        20 + 11 + 60 + 20 + 40 + 32 + 80 + 4 + 4096
+    );
+    let twice = observation_len(&[ObservationPart::Image, ObservationPart::Image], 10, 2);
     assert!(twice.unwrap_err().to_string().contains("each kind of part once"));
     for wrong in [
         "imag",
