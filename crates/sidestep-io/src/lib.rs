@@ -23,6 +23,15 @@ use sidestep::{Grid, World};
 pub use error::{FormatError, Place};
 pub use task_json::{TaskFormat, read_tasks, write_task, write_tasks};
 
+/// Cells that any file may ask for, however it packs them: 8192 x 8192.
+const PACKED_CELLS: usize = 1 << 26;
+
+/// Most cells of a grid from a file of so many bytes: what rows that repeat and compressed images unpack
+/// to is bounded, by [`PACKED_CELLS`] or by eight a byte.
+fn most_cells(bytes: usize) -> usize {
+    bytes.saturating_mul(8).clamp(PACKED_CELLS, sidestep::plane::world::MAX_GRID_CELLS)
+}
+
 /// A world that holds one grid and is as large as it.
 pub fn grid_world(grid: Grid) -> Arc<World> {
     Arc::new(World::new(grid.rect(), Vec::new(), Some(grid)))

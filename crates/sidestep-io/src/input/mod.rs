@@ -25,7 +25,7 @@ pub use text::decode;
 pub(crate) use text::without_mark;
 
 /// Most bytes of a file that is read whole. Reading takes up to some 40 bytes of memory a byte of JSON, 4
-/// a pixel of a raw image, and for a grid what its cells take (see [`sidestep::MAX_GRID_CELLS`]).
+/// a pixel of a raw image, and for a grid what its cells take (see [`sidestep::plane::world::MAX_GRID_CELLS`]).
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// What is asked beside the file.

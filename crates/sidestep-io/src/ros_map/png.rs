@@ -8,6 +8,7 @@ use png::{BitDepth, Decoder, DecodingError, Limits, Transformations};
 use super::occupancy::{Cells, Occupancy, luma, to_byte};
 use super::{check_size, wrong_image};
 use crate::error::FormatError;
+use crate::most_cells;
 
 /// Deflate packs at most 1032 bytes into one; a file that claims more pixels than that lies.
 const MOST_PACKED: u64 = 1032;
@@ -27,6 +28,8 @@ pub(super) fn read(bytes: &[u8], occupancy: &Occupancy) -> Result<Cells, FormatE
     let packed = bytes.len() as u64 * MOST_PACKED * 8;
     let most = packed / header.bits_per_pixel() as u64;
     check_size(width, height, most, "1032 bytes a byte of file at most", bytes.len())?;
+    let most = most_cells(bytes.len()) as u64;
+    check_size(width, height, most, &format!("at most {most} pixels"), bytes.len())?;
 
     let mut reader = decoder.read_info().map_err(broken)?;
     let mut cells = Cells::with_capacity(width as usize, height as usize);

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use sidestep::plane::geometry::{Circle, ConvexPolygon, Rect};
-use sidestep::plane::world::MAX_GRID_CELLS;
 use sidestep::{Grid, Obstacle, Robot, Task, World};
 
 use super::{FORMAT, TASK_FORMAT, TaskFormat, rows};
 use crate::error::{FormatError, Place};
 use crate::input::without_mark;
 use crate::json::{Json, Node, Source, parse};
+use crate::most_cells;
 
 const TASK_FIELDS: [&str; 8] =
     ["format", "name", "bounds", "obstacles", "grid", "robot", "start", "goal"];
@@ -149,7 +149,7 @@ fn read_grid(node: &Node<'_>) -> Result<Grid, FormatError> {
     let list = node.required("rows", "an array of strings, the top row first")?;
     // All widths are checked before any cell is allocated.
     let mut texts = Vec::new();
-    let mut width = 0;
+    let (mut width, mut bytes) = (0, 0);
     for item in list.items("an array of strings, the top row first")? {
         let text = item.string()?;
         let cells = rows::width(text).map_err(|(found, expected)| item.found(found, expected))?;
@@ -162,10 +162,12 @@ fn read_grid(node: &Node<'_>) -> Result<Grid, FormatError> {
             ));
         }
         texts.push(text);
-        if texts.len() > MAX_GRID_CELLS / width {
+        bytes += text.len();
+        let most = most_cells(bytes);
+        if texts.len() > most / width {
             return Err(list.found(
-                format!("more than {} rows of {width} cells", texts.len() - 1),
-                format!("at most {MAX_GRID_CELLS} cells"),
+                format!("more than {} rows of {width} cells in {bytes} bytes", texts.len() - 1),
+                format!("at most {most} cells"),
             ));
         }
     }

@@ -2,6 +2,8 @@
 
 use sidestep::plane::world::MAX_GRID_CELLS;
 
+use crate::PACKED_CELLS;
+
 /// Rows of at most this many cells are written cell by cell, so that a person sees the map.
 const PLAIN_WIDTH: usize = 128;
 
@@ -62,10 +64,10 @@ pub(super) fn append(row: &str, cells: &mut Vec<bool>) {
     }
 }
 
-/// The text of a row.
-pub(super) fn text(cells: &[bool]) -> String {
+/// The text of a row of a grid of `all` cells. Grids that only a large file may ask for are written plainly.
+pub(super) fn text(cells: &[bool], all: usize) -> String {
     let symbol = |occupied: bool| if occupied { '#' } else { '.' };
-    if cells.len() <= PLAIN_WIDTH {
+    if cells.len() <= PLAIN_WIDTH || all > PACKED_CELLS {
         return cells.iter().map(|&occupied| symbol(occupied)).collect();
     }
     let mut text = String::new();
@@ -95,7 +97,7 @@ mod tests {
             assert_eq!(width(row), Ok(expected.len()), "{row}");
         }
         let long: Vec<bool> = (0..300).map(|i| i % 100 < 30).collect();
-        assert_eq!(text(&long), "30#70.30#70.30#70.");
+        assert_eq!(text(&long, 300), "30#70.30#70.30#70.");
         for bad in ["", "x", "0.", "03.", "3", "999999999999.", "268435456.1#"] {
             assert!(width(bad).is_err(), "{bad:?}");
         }

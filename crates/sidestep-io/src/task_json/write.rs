@@ -91,7 +91,8 @@ fn list(
 
 fn grid_rows(grid: &Grid) -> impl ExactSizeIterator<Item = String> + '_ {
     // Top row first; the core holds the bottom row first.
-    grid.cells().chunks(grid.width()).rev().map(|row| format!("{:?}", rows::text(row)))
+    let all = grid.cells().len();
+    grid.cells().chunks(grid.width()).rev().map(move |row| format!("{:?}", rows::text(row, all)))
 }
 
 fn obstacle(obstacle: &Obstacle) -> String {
