@@ -22,7 +22,7 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 13] = [
+pub const TARGETS: [Target; 15] = [
     Target { name: "task_json", run: readers::task_json, longest: 4096 },
     Target { name: "task_lines", run: readers::task_lines, longest: 4096 },
     Target { name: "barn", run: readers::barn, longest: 2048 },
@@ -34,6 +34,8 @@ pub const TARGETS: [Target; 13] = [
     Target { name: "png", run: readers::png, longest: 2048 },
     Target { name: "any_file", run: readers::any_file, longest: 2048 },
     Target { name: "policy", run: training::policy, longest: 32_768 },
+    Target { name: "checkpoint", run: training::checkpoint, longest: 32_768 },
+    Target { name: "recipe", run: training::recipe, longest: 1024 },
     Target { name: "names", run: training::names, longest: 128 },
     Target { name: "planning", run: planning::planning, longest: 256 },
 ];

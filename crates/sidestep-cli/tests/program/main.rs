@@ -6,6 +6,8 @@ mod bad_input;
 mod bench;
 #[cfg(unix)]
 mod cases;
+#[cfg(unix)]
+mod crash;
 mod determinism;
 mod files;
 mod generate;
