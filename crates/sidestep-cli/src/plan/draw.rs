@@ -2,7 +2,7 @@
 
 use sidestep::plane::shortest_path::{Route, ShortestPath};
 use sidestep::{PlaneTask, Task, Trajectory};
-use sidestep_io::picture::{Picture, TaskPanel};
+use sidestep_io::picture::{Color, Picture, TaskPanel};
 use sidestep_io::plan_json::TraceStep;
 
 use super::{Attempt, PlanArgs};
@@ -11,6 +11,9 @@ use crate::output;
 
 /// Iterates drawn of a trace; more would only paint over each other.
 const MOST_ITERATES: usize = 40;
+/// Colours of a moving trajectory that ends certified, and of one that does not.
+const SOLVED: Color = Color::hex(0x0072b2);
+const UNSOLVED: Color = Color::hex(0xd55e00);
 /// Pixels per unit of a picture.
 const PNG_SCALE: f64 = 2.0;
 
@@ -18,11 +21,13 @@ const PNG_SCALE: f64 = 2.0;
 pub fn pictures<'a>(
     args: &PlanArgs,
     task: &Task,
-    attempts: impl Iterator<Item = &'a Attempt>,
+    attempts: impl Iterator<Item = &'a Attempt> + Clone,
 ) -> Result<(), Failure> {
     let task = task.plane()?;
     let shortest = ShortestPath::new(task.world, task.robot).find(task.start, task.goal);
-    let panels = attempts.map(|attempt| panel(task, attempt, &shortest));
+    let frames = attempts.clone().map(|attempt| iterates(attempt).len()).max().unwrap_or(0);
+    let frames = args.animate.then_some(frames);
+    let panels = attempts.map(|attempt| panel(task, attempt, &shortest, frames));
     let picture = panels.fold(Picture::new(), |picture, panel| picture.panel(panel));
     if let Some(path) = &args.svg {
         output::write_file(path, picture.to_svg().as_bytes())?;
@@ -34,8 +39,24 @@ pub fn pictures<'a>(
     Ok(())
 }
 
-fn panel(task: PlaneTask<'_>, attempt: &Attempt, shortest: &Route) -> TaskPanel {
-    let Attempt { planner, query, plan, trace: steps, .. } = attempt;
+/// The first start's iterates that are drawn.
+fn iterates(attempt: &Attempt) -> Vec<Trajectory> {
+    let Some(start) = attempt.trace.first().map(|step| step.start) else { return Vec::new() };
+    let first: Vec<&TraceStep> =
+        attempt.trace.iter().filter(|step| step.start == start).collect();
+    let stride = first.len().div_ceil(MOST_ITERATES).max(1);
+    first.iter().step_by(stride).map(|step| Trajectory::from_points(&step.waypoints)).collect()
+}
+
+/// One attempt; `frames` is the number of iterates that a moving picture shows of each, the last one for
+/// as long as others go on.
+fn panel(
+    task: PlaneTask<'_>,
+    attempt: &Attempt,
+    shortest: &Route,
+    frames: Option<usize>,
+) -> TaskPanel {
+    let Attempt { planner, query, plan, .. } = attempt;
     // A policy is named by its file.
     let name = planner.trim_end_matches(".safetensors").rsplit('/').next().unwrap_or(planner);
     let name =
@@ -45,15 +66,13 @@ fn panel(task: PlaneTask<'_>, attempt: &Attempt, shortest: &Route) -> TaskPanel 
         let (frame, field) = (scene.frame(), scene.field());
         panel = panel.shade(|p| f64::from(field.at(frame.to_normalised(p)).0).min(1.0));
     }
-    if !steps.is_empty() {
-        let first: Vec<&TraceStep> =
-            steps.iter().filter(|step| step.start == steps[0].start).collect();
-        let stride = first.len().div_ceil(MOST_ITERATES).max(1);
-        let iterates: Vec<Trajectory> = first
-            .iter()
-            .step_by(stride)
-            .map(|step| Trajectory::from_points(&step.waypoints))
-            .collect();
+    let mut iterates = iterates(attempt);
+    if let (Some(frames), Some(last)) = (frames, iterates.last().cloned()) {
+        iterates.resize(frames, last);
+        let color = if plan.is_solved() { SOLVED } else { UNSOLVED };
+        return panel.motion_in(name, &iterates, color);
+    }
+    if !iterates.is_empty() {
         panel = panel.trace("iterates", &iterates);
     }
     if let Some(path) = plan.certified() {

@@ -86,6 +86,9 @@ pub struct PlanArgs {
     /// Keep every iterate, in the JSON result and in pictures
     #[arg(long, help_heading = "Output")]
     trace: bool,
+    /// Show the iterates one after the other, over and over: a picture that moves, for --svg
+    #[arg(long, requires = "svg", help_heading = "Output")]
+    animate: bool,
 }
 
 /// Plans, prints and draws.
@@ -168,7 +171,7 @@ fn attempt(
     let begin = Instant::now();
     let query = Query::of(&asked, &options.profile);
     let see = |iteration: &Iteration<'_>| {
-        if args.trace
+        if (args.trace || args.animate)
             && let Ok(mut steps) = trace.lock()
         {
             steps.push(step(&query, iteration));
