@@ -85,14 +85,18 @@ def main():
         away = np.vstack([rng.uniform(-0.8, 0.8, size=(40, 3)), rng.uniform(-0.15, 0.15, size=(20, 3))])
         points = golden.decimals(position + away, 4)
         radius = R_MESH if "mesh" in shape else R
-        distances = []
+        measured, distances = [], []
         for point in points:
             found = distance(geometry, pose, point, radius)
             if abs(found - distance(geometry, pose, point, radius / 2)) > TOLERANCE:
                 raise ValueError(f"{shape}: {found} at {point}")
+            # Within a curved solid EPA answers with some depth, not with the least.
+            if "cylinder" in shape and found < 0:
+                continue
+            measured.append(point)
             distances.append(found)
         placed = {"position": position, "quaternion_wxyz": wxyz}
-        document["shapes"].append({"shape": {**shape, **placed}, "points": points, "distances": np.array(distances)})
+        document["shapes"].append({"shape": {**shape, **placed}, "points": np.array(measured), "distances": np.array(distances)})
         print(list(shape)[0], min(distances), max(distances))
     golden.write("space.json", document)
 

@@ -3,9 +3,6 @@
 //! ```text
 //! cargo run --release -p sidestep-io --example arm_plans -- robot.urdf robot.srdf plans.jsonl \
 //!     --problems problems.json
-//! cargo run --release -p sidestep-io --example arm_plans -- robot.urdf robot.srdf plans.jsonl \
-//!     --family cage --count 1000 --seed 7 --tool LINK --tool-rpy r,p,y --offset x,y,z \
-//!     --joints a,b,c --save problems.json
 //! ```
 //!
 //! With `--meshes DIR --overhang M` the URDF's shapes are covered by balls that stick out by at most M
@@ -20,14 +17,14 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use serde_json::json;
-use sidestep::arm::{Arm, Model, Placement, Tool};
-use sidestep::plan::rrt_connect::RrtConnect;
-use sidestep::scene::Setting;
-use sidestep::space::generate::Family;
-use sidestep::space::{Hull, Pose};
-use sidestep::{InvalidInput, Options, Planner, Status, Task, plan};
+use sidestep::InvalidInput;
+use sidestep::arm::certificate::Certifier;
+use sidestep::arm::rrt_connect::RrtConnect;
+use sidestep::arm::{Arm, Model};
+use sidestep::rng::{Purpose, stream};
+use sidestep::space::Hull;
 use sidestep_io::robots::{read_srdf, read_urdf};
-use sidestep_io::scenes::{Problem, mesh, read_problems, write_problems};
+use sidestep_io::scenes::{Problem, mesh, read_problems};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -59,16 +56,9 @@ fn main() -> Result<(), Failure> {
         let ms = begun.elapsed().as_secs_f64() * 1e3;
         println!("{balls} balls cover it, {:.2} mm beyond at most, {ms:.0} ms", 1e3 * worst);
     }
-    let problems = match flags.get("problems") {
-        Some(file) => {
-            let mut none = |_: &str| Err(std::io::Error::other("no file"));
-            read_problems(&std::fs::read(file)?, &mut none)?
-        }
-        None => generate(&model, &srdf.disabled_pairs, &flags)?,
-    };
-    if let Some(file) = flags.get("save") {
-        std::fs::write(file, write_problems(&problems))?;
-    }
+    let file = flags.get("problems").ok_or("--problems FILE is needed")?;
+    let mut none = |_: &str| Err(std::io::Error::other("no file"));
+    let problems = read_problems(&std::fs::read(file)?, &mut none)?;
     let first = problems.first().ok_or("no problem")?;
     let joints: Vec<&str> = first.joints.iter().map(String::as_str).collect();
     let arm = arm(&model, &joints, &first.fixed_joints, &srdf.disabled_pairs)?;
@@ -76,21 +66,29 @@ fn main() -> Result<(), Failure> {
 }
 
 fn plan_all(arm: &Arc<Arm>, problems: &[Problem], out: &str) -> Result<(), Failure> {
-    let planner = Planner::RrtConnect(RrtConnect::default());
+    let planner = RrtConnect::default();
     let mut file = std::io::BufWriter::new(std::fs::File::create(out)?);
     let (mut solved, mut invalid) = (0, 0);
     for (index, problem) in problems.iter().enumerate() {
-        let setting = Setting::Arm { arm: Arc::clone(arm), world: Arc::clone(&problem.world) };
-        let (start, goal) = (problem.start.clone(), problem.goals[0].clone());
-        let task = Task::new(&problem.name, setting, start, goal)?;
-        let options = Options { index: index as u64, ..Options::default() };
+        let certifier = Certifier::new(Arc::clone(arm), Arc::clone(&problem.world));
+        let mut work = certifier.work();
+        let ends = [&problem.start, &problem.goals[0]];
+        let free = ends.into_iter().all(|end| {
+            arm.check("end", end).is_ok() && certifier.motion_is_free(end, end, &mut work)
+        });
+        invalid += usize::from(!free);
+        if !free {
+            continue;
+        }
         let begun = Instant::now();
-        let answer = plan(&task, &planner, &options)?;
+        let certifier = Certifier::new(Arc::clone(arm), Arc::clone(&problem.world));
+        let mut work = certifier.work();
+        let mut rng = stream(0, Purpose::Planner, index as u64, 0);
+        let run = planner.plan(ends[0], ends[1], &certifier, &mut work, &mut rng);
         let us = begun.elapsed().as_secs_f64() * 1e6;
-        invalid += usize::from(matches!(answer.status, Status::Invalid(_)));
-        if let Some(path) = answer.certified() {
+        if let Some(path) = run.path {
             solved += 1;
-            let rows: Vec<&[f64]> = path.configurations().collect();
+            let rows: Vec<&[f64]> = path.chunks_exact(arm.dof()).collect();
             let joints = &problem.joints[..];
             let plan = json!({"problem": problem.name, "joints": joints, "path": rows, "us": us});
             writeln!(file, "{plan}")?;
@@ -117,47 +115,6 @@ fn arm(
         .cloned()
         .collect::<Vec<_>>();
     Ok(Arc::new(Arm::new(model, joints, &held)?.with_self_collisions(&known)?))
-}
-
-fn generate(
-    model: &Model,
-    disabled: &[(String, String)],
-    flags: &HashMap<String, String>,
-) -> Result<Vec<Problem>, Failure> {
-    let text = |flag: &str| flags.get(flag).map(String::as_str);
-    let family: Family = text("family").ok_or("--problems or --family is needed")?.parse()?;
-    let joints: Vec<&str> = text("joints").ok_or("--joints is needed")?.split(',').collect();
-    let arm = arm(model, &joints, &[], disabled)?;
-    let frame = Pose::from_rpy(triple(text("tool-rpy"))?, triple(text("tool-at"))?)?;
-    let link = text("tool").ok_or("--tool is needed")?.to_owned();
-    let tool = Tool { link, frame };
-    let placement = Placement { tool, offset: triple(text("offset"))?, rest: None };
-    let (count, seed) =
-        (text("count").unwrap_or("10").parse()?, text("seed").unwrap_or("0").parse()?);
-    let (robot, names): (Arc<str>, Vec<String>) =
-        (arm.name().into(), joints.iter().map(|&name| name.to_owned()).collect());
-    let names: Arc<[String]> = names.into();
-    let mut problems = Vec::new();
-    for index in 0..count {
-        if let Some(made) = arm.scene_problem(family, &placement, seed, index)? {
-            problems.push(Problem {
-                name: made.name,
-                robot: robot.clone(),
-                joints: names.clone(),
-                fixed_joints: Arc::new([]),
-                start: made.start,
-                goals: vec![made.goal],
-                world: made.world,
-            });
-        }
-    }
-    Ok(problems)
-}
-
-fn triple(text: Option<&str>) -> Result<[f64; 3], Failure> {
-    let Some(text) = text else { return Ok([0.0; 3]) };
-    let numbers: Vec<f64> = text.split(',').map(str::parse).collect::<Result<_, _>>()?;
-    numbers.try_into().map_err(|_| format!("{text:?} is not three numbers").into())
 }
 
 fn load_hull(folder: &Path, file: &str, scale: [f64; 3]) -> Result<Arc<Hull>, InvalidInput> {

@@ -172,7 +172,7 @@ fn solve(mut a: [[f64; 6]; 6], mut b: [f64; 6]) -> Option<[f64; 6]> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use std::collections::HashMap;
 
     use super::super::{Body, BodyShape, Joint, JointKind, Limits, Link, Mimic, Model};
@@ -181,7 +181,7 @@ pub(super) mod tests {
 
     /// Six joints like those of many industrial arms, a ball on each link, reach 1.1 m; `gripper`
     /// rides on a seventh joint that mimics the last.
-    pub(in super::super) fn six_joints() -> Arm {
+    fn six_joints() -> Arm {
         let (y, z) = ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
         let places = [
             (z, [0.0, 0.0, 0.1]),
