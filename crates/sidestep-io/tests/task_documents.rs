@@ -138,7 +138,7 @@ const TABLE: &[(&str, Verdict)] = &[
     (
         r#""grid": {"resolution": 1, "rows": ["200000000.", "200000000."]}"#,
         BadBeyondSchema(
-            "grid.rows: found more than 1 rows of 200000000 cells; expected at most 268435456 cells",
+            "grid.rows: found more than 0 rows of 200000000 cells in 10 bytes; expected at most 67108864 cells",
         ),
     ),
     (

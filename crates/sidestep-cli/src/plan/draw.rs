@@ -42,8 +42,7 @@ pub fn pictures<'a>(
 /// The first start's iterates that are drawn.
 fn iterates(attempt: &Attempt) -> Vec<Trajectory> {
     let Some(start) = attempt.trace.first().map(|step| step.start) else { return Vec::new() };
-    let first: Vec<&TraceStep> =
-        attempt.trace.iter().filter(|step| step.start == start).collect();
+    let first: Vec<&TraceStep> = attempt.trace.iter().filter(|step| step.start == start).collect();
     let stride = first.len().div_ceil(MOST_ITERATES).max(1);
     first.iter().step_by(stride).map(|step| Trajectory::from_points(&step.waypoints)).collect()
 }

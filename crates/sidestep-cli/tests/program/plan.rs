@@ -36,7 +36,7 @@ fn statuses_and_exit_codes() {
         ("plan wall.json --start 4.5,5", 2, "invalid", "the start is in collision with obstacle 0"),
         ("plan wall.json --goal 4.5,5", 2, "invalid", "the goal is in collision with obstacle 0"),
         ("plan free.json --goal 11,5", 2, "invalid", "the goal is out of bounds"),
-        ("plan free.json --robot-radius 1.5", 2, "invalid", "the start is too near the bounds"),
+        ("plan free.json --robot-radius 1.5", 2, "invalid", "the start is out of bounds"),
     ];
     for (line, code, status, reason) in rows {
         let answer = check(folder.path(), &format!("{line} --json"), code, &[]).json();
@@ -94,7 +94,7 @@ fn maps_take_start_goal_and_radius_from_the_line() {
     let thin = check(folder.path(), &line.replace("0.2", "0"), 0, &[]).json();
     assert!(thin["optimal_length"].as_f64() < answer["optimal_length"].as_f64());
     let line = "plan EXAMPLES/office.yaml --start -1,1 --goal 18,11";
-    check(folder.path(), line, 2, &["invalid", "the start is too near the bounds"]);
+    check(folder.path(), line, 2, &["invalid", "the start is out of bounds"]);
 }
 
 #[test]

@@ -59,36 +59,12 @@ pub enum Violation {
     /// The last point is not the task's goal.
     #[error("the trajectory does not end at the task's goal")]
     WrongGoal,
-    /// The robot is larger than the bounds.
-    #[error(
-        "the robot does not fit: its radius, with any margin, is {radius}, and the bounds are {width} x {height}"
-    )]
-    DoesNotFit {
-        /// The robot's radius, in task units.
-        radius: f64,
-        /// Width of the bounds, in task units.
-        width: f64,
-        /// Height of the bounds, in task units.
-        height: f64,
-    },
-    /// The start lies outside the bounds.
+    /// The robot's body leaves the bounds at the start.
     #[error("the start is out of bounds")]
     StartOutOfBounds,
-    /// The goal lies outside the bounds.
+    /// The robot's body leaves the bounds at the goal.
     #[error("the goal is out of bounds")]
     GoalOutOfBounds,
-    /// The start lies in the bounds, but not the whole body there.
-    #[error("the start is too near the bounds for a robot of radius {radius}, any margin included")]
-    StartTooNearBounds {
-        /// The robot's radius, in task units.
-        radius: f64,
-    },
-    /// The goal lies in the bounds, but not the whole body there.
-    #[error("the goal is too near the bounds for a robot of radius {radius}, any margin included")]
-    GoalTooNearBounds {
-        /// The robot's radius, in task units.
-        radius: f64,
-    },
     /// The robot's body touches an obstacle at the start.
     #[error("the start is in collision with {obstacle}")]
     StartInCollision {

@@ -36,8 +36,6 @@ const MOST_WITHOUT_BUCKETS: usize = 32;
 /// A world and a robot prepared for many exact collision checks.
 #[derive(Debug, Clone)]
 pub struct Certifier {
-    /// The world's bounds.
-    field: Rect,
     /// Where the robot's reference point may be, rounded inwards.
     inside: Rect,
     /// The same, rounded to the nearest numbers.
@@ -64,8 +62,7 @@ impl Certifier {
         let cells = world.grid().map(|grid| Cells::new(grid, growth));
         let bounds = world.bounds().inflated(-radius);
         let inside = rounded_inwards(world.bounds(), radius, bounds);
-        let field = world.bounds();
-        Self { field, inside, ..Self::from_parts(bounds, radius, tolerance, obstacles, cells) }
+        Self { inside, ..Self::from_parts(bounds, radius, tolerance, obstacles, cells) }
     }
 
     /// The same from its parts; `bounds` are those of the robot's reference point, and the cells are
@@ -93,7 +90,6 @@ impl Certifier {
         });
         let boxes = Boxes::new(rects, margin, radius > 0.0);
         Self {
-            field: bounds,
             inside: bounds,
             bounds,
             radius,
@@ -175,22 +171,14 @@ impl Certifier {
         if let Some(point) = points.iter().position(|p| !finite(p)) {
             return Err(Violation::NotFinite { point });
         }
-        let radius = self.radius;
-        let [width, height] = self.field.size();
-        if (0..2).any(|axis| self.inside.min[axis] > self.inside.max[axis]) {
-            return Err(Violation::DoesNotFit { radius, width, height });
-        }
-        let has_room = |p: Point| radius > 0.0 && self.field.contains(p);
         if !self.inside.contains(start) {
-            let near = has_room(start).then_some(Violation::StartTooNearBounds { radius });
-            return Err(near.unwrap_or(Violation::StartOutOfBounds));
+            return Err(Violation::StartOutOfBounds);
         }
         if let Some(obstacle) = self.first_obstacle_hit(start, start) {
             return Err(Violation::StartInCollision { obstacle });
         }
         if !self.inside.contains(goal) {
-            let near = has_room(goal).then_some(Violation::GoalTooNearBounds { radius });
-            return Err(near.unwrap_or(Violation::GoalOutOfBounds));
+            return Err(Violation::GoalOutOfBounds);
         }
         if let Some(obstacle) = self.first_obstacle_hit(goal, goal) {
             return Err(Violation::GoalInCollision { obstacle });
