@@ -17,12 +17,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use serde_json::json;
-use sidestep::InvalidInput;
-use sidestep::arm::certificate::Certifier;
-use sidestep::arm::rrt_connect::RrtConnect;
 use sidestep::arm::{Arm, Model};
-use sidestep::rng::{Purpose, stream};
+use sidestep::plan::rrt_connect::RrtConnect;
+use sidestep::scene::Setting;
 use sidestep::space::Hull;
+use sidestep::{InvalidInput, Options, Planner, Status, Task, plan};
 use sidestep_io::robots::{read_srdf, read_urdf};
 use sidestep_io::scenes::{Problem, mesh, read_problems};
 
@@ -66,29 +65,21 @@ fn main() -> Result<(), Failure> {
 }
 
 fn plan_all(arm: &Arc<Arm>, problems: &[Problem], out: &str) -> Result<(), Failure> {
-    let planner = RrtConnect::default();
+    let planner = Planner::RrtConnect(RrtConnect::default());
     let mut file = std::io::BufWriter::new(std::fs::File::create(out)?);
     let (mut solved, mut invalid) = (0, 0);
     for (index, problem) in problems.iter().enumerate() {
-        let certifier = Certifier::new(Arc::clone(arm), Arc::clone(&problem.world));
-        let mut work = certifier.work();
-        let ends = [&problem.start, &problem.goals[0]];
-        let free = ends.into_iter().all(|end| {
-            arm.check("end", end).is_ok() && certifier.motion_is_free(end, end, &mut work)
-        });
-        invalid += usize::from(!free);
-        if !free {
-            continue;
-        }
+        let setting = Setting::Arm { arm: Arc::clone(arm), world: Arc::clone(&problem.world) };
+        let (start, goal) = (problem.start.clone(), problem.goals[0].clone());
+        let task = Task::new(&problem.name, setting, start, goal)?;
+        let options = Options { index: index as u64, ..Options::default() };
         let begun = Instant::now();
-        let certifier = Certifier::new(Arc::clone(arm), Arc::clone(&problem.world));
-        let mut work = certifier.work();
-        let mut rng = stream(0, Purpose::Planner, index as u64, 0);
-        let run = planner.plan(ends[0], ends[1], &certifier, &mut work, &mut rng);
+        let answer = plan(&task, &planner, &options)?;
         let us = begun.elapsed().as_secs_f64() * 1e6;
-        if let Some(path) = run.path {
+        invalid += usize::from(matches!(answer.status, Status::Invalid(_)));
+        if let Some(path) = answer.certified() {
             solved += 1;
-            let rows: Vec<&[f64]> = path.chunks_exact(arm.dof()).collect();
+            let rows: Vec<&[f64]> = path.configurations().collect();
             let joints = &problem.joints[..];
             let plan = json!({"problem": problem.name, "joints": joints, "path": rows, "us": us});
             writeln!(file, "{plan}")?;

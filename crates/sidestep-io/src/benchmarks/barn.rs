@@ -5,7 +5,7 @@
 //! `{"start": [x, y], "goal": [x, y], "worlds": {"0": [[x, y, radius], ...], ...}}`, all in metres.
 //!
 //! The worlds lie on an open plane, which task bounds cannot be. Here they reach so far that the robot can
-//! go round everything: nothing is unsolvable, and no way longer, because of them ([`room`]). The side
+//! go round everything: nothing is unsolvable, and no way longer, because of them (`room`). The side
 //! walls are rows of touching cylinders, so a point can slip between two of them where a robot cannot.
 
 use std::sync::Arc;

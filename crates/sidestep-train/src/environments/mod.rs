@@ -1,8 +1,8 @@
 //! Trajectory optimisation as a partially observable decision process (paper, section I.B).
 //!
 //! - state: the waypoints of a trajectory of one task; it begins as the straight line;
-//! - observation: what the core's [`Encoder`] writes, in the paper the gradient of U;
-//! - action: an update of the waypoints, clipped and applied by the core's [`ActionRule`];
+//! - observation: what the core's `Encoder` writes, in the paper the gradient of U;
+//! - action: an update of the waypoints, clipped and applied by the core's `ActionRule`;
 //! - reward: -U of the new trajectory, or bonus - mu U if that is feasible (the paper: no bonus);
 //! - end: at the first feasible step. There is no time limit unless one is set: what is not solved
 //!   goes on over the next update. A time limit *truncates*: the value of the last observation

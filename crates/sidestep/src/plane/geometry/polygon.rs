@@ -14,7 +14,7 @@ pub struct ConvexPolygon {
 impl ConvexPolygon {
     /// A polygon from its corners in either order round. A ring may be closed (its first corner repeated
     /// at its end), corners may be repeated and points may lie along an edge. What is not convex by less
-    /// than rounding leaves behind ([`Ring::slack`]) becomes its convex hull.
+    /// than rounding leaves behind (`Ring::slack`) becomes its convex hull.
     ///
     /// # Errors
     /// If a coordinate is not finite, there are fewer than three different vertices, they lie on one
