@@ -26,7 +26,7 @@ validation = { count = 20, every = 5, steps = 30 }
 const WAYPOINT: &str = r#"
 architecture = "waypoint"
 observation = ["waypoints", "probes:4x0.5,1.5"]
-network = { width = 8, dilations = [1] }
+network = { width = 16, dilations = [1] }
 imitation = { tasks = 4, steps = 3 }
 validation = { count = 5, every = 4 }
 [[stages]]

@@ -156,12 +156,14 @@ fn greedy(hull: &Hull, overhang: f64) -> Vec<(Vector, f64)> {
     let size = [0, 1, 2].map(|k| bounds.max[k] - bounds.min[k]);
     let step = size.iter().copied().fold(0.0, f64::max) / GRID;
     let mut candidates = Vec::new();
-    // Odd numbers, so that the middle is one of the points.
-    let count = size.map(|size| (size / step).ceil() as usize | 1);
-    for i in 0..count[0] * count[1] * count[2] {
+    let count = size.map(|size| (size / step).ceil().max(1.0) as usize);
+    let grid = (0..count[0] * count[1] * count[2]).map(|i| {
         let cell = [i % count[0], i / count[0] % count[1], i / (count[0] * count[1])];
-        let center =
-            [0, 1, 2].map(|k| bounds.min[k] + size[k] * (cell[k] as f64 + 0.5) / count[k] as f64);
+        [0, 1, 2].map(|k| bounds.min[k] + size[k] * (cell[k] as f64 + 0.5) / count[k] as f64)
+    });
+    // The middle too, which an even number of points leaves out.
+    let middle = [0, 1, 2].map(|k| bounds.min[k] + 0.5 * size[k]);
+    for center in std::iter::once(middle).chain(grid) {
         let (distance, _) = hull.distance(center);
         if distance < 0.0 {
             candidates.push((center, overhang - distance));
@@ -312,7 +314,9 @@ mod tests {
         // Corners of a cube lie √3 from its middle: one ball of overhang √3 - 1 does.
         assert_eq!(count(&Shape::cuboid([1.0; 3]).unwrap(), 0.74), 1);
         let few = count(&Shape::cuboid([0.1, 0.05, 0.05]).unwrap(), 0.02);
-        assert!((4..=20).contains(&few), "{few}");
+        // A ball that reaches into a corner lies at most 0.02 / (√3 - 1) deep and covers 0.027 of each
+        // edge from there: 8 corners, some 20 more along the edges, the rest on faces.
+        assert!((28..=56).contains(&few), "{few}");
     }
 
     #[test]
