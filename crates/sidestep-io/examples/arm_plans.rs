@@ -105,7 +105,12 @@ fn arm(
         .filter(|(a, b)| model.link(a).is_some() && model.link(b).is_some())
         .cloned()
         .collect::<Vec<_>>();
-    Ok(Arc::new(Arm::new(model, joints, &held)?.with_self_collisions(&known)?))
+    let arm = Arm::new(model, joints, &held)?.with_self_collisions(&known)?;
+    let (arm, lasting) = arm.without_lasting_contacts();
+    for (a, b) in &lasting {
+        eprintln!("{a} and {b} always touch: not checked against each other");
+    }
+    Ok(Arc::new(arm))
 }
 
 fn load_hull(folder: &Path, file: &str, scale: [f64; 3]) -> Result<Arc<Hull>, InvalidInput> {

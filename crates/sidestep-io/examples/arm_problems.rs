@@ -84,7 +84,12 @@ fn main() -> Result<(), Failure> {
         .filter(|(a, b)| model.link(a).is_some() && model.link(b).is_some())
         .cloned()
         .collect();
-    let arm = Arc::new(Arm::new(&model, &joints, &held)?.with_self_collisions(&known)?);
+    let arm = Arm::new(&model, &joints, &held)?.with_self_collisions(&known)?;
+    let (arm, lasting) = arm.without_lasting_contacts();
+    let arm = Arc::new(arm);
+    for (a, b) in &lasting {
+        println!("{a} and {b} always touch: not checked against each other");
+    }
     println!(
         "{}: {} joints, {} balls, {} pairs of links, reach {:.2} m, ready in {:.1} ms",
         arm.name(),

@@ -31,6 +31,8 @@ pub enum Purpose {
     Expert = 9,
     /// A rollout of DAgger.
     Dagger = 10,
+    /// Looking for links of a robot that always touch.
+    Contacts = 11,
 }
 
 /// The stream for a purpose, numbered by `index` (a task) and `sub` (a start, an environment).

@@ -8,6 +8,7 @@
 
 pub mod certificate;
 mod chain;
+mod contacts;
 mod costs;
 mod covered;
 mod inverse_kinematics;
@@ -23,7 +24,7 @@ mod spheres;
 pub use covered::MeshHull;
 pub use inverse_kinematics::Tool;
 pub use model::{Body, BodyShape, Joint, JointKind, Limits, Link, MAX_LINKS, Mimic, Model};
-pub use robot::{Arm, ArmJoint, MAX_DOF};
+pub use robot::{Arm, ArmJoint, LIMIT_TOLERANCE, MAX_DOF};
 pub use scene::ArmScene;
 pub use spheres::Ball;
 

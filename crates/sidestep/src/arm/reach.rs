@@ -17,6 +17,7 @@
 
 use super::Arm;
 use super::chain::Slot;
+use super::robot::LIMIT_TOLERANCE;
 use crate::space::vector::Vector;
 
 /// Bounds of the balls of an arm; those around the links come first.
@@ -106,7 +107,7 @@ fn reaches(arm: &Arm, mut slot: usize, mut center: Vector) -> Vec<(usize, f64)> 
             let joint = &arm.joints()[step.coordinate];
             let ends = [joint.lower, joint.upper].map(|end| step.multiplier * end + step.offset);
             center[2] += 0.5 * (ends[0] + ends[1]);
-            radius += 0.5 * (ends[0] - ends[1]).abs();
+            radius += 0.5 * (ends[0] - ends[1]).abs() + step.multiplier.abs() * LIMIT_TOLERANCE;
         } else {
             radius += center[0].hypot(center[1]);
             found.push((slot, radius));

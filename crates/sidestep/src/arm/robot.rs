@@ -12,6 +12,9 @@ use crate::space::vector::norm;
 /// Most numbers of a configuration; work space of this size lives on the stack.
 pub const MAX_DOF: usize = 32;
 
+/// How far outside its limits a joint may stand, in rad or m: limits and configurations are written with few digits (π as 3.14159).
+pub const LIMIT_TOLERANCE: f64 = 1e-5;
+
 /// A joint that moves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmJoint {
@@ -25,6 +28,13 @@ pub struct ArmJoint {
     pub upper: f64,
     /// Largest speed, if the model says.
     pub velocity: Option<f64>,
+}
+
+impl ArmJoint {
+    /// Whether the joint may stand there: within its limits, give or take [`LIMIT_TOLERANCE`].
+    pub fn allows(&self, value: f64) -> bool {
+        self.lower - LIMIT_TOLERANCE <= value && value <= self.upper + LIMIT_TOLERANCE
+    }
 }
 
 /// A robot with joints, compiled from a [`Model`] whose bodies are balls.
@@ -172,7 +182,7 @@ impl Arm {
         self.pairs.iter().map(|&[a, b]| (self.parts[a].name.as_str(), self.parts[b].name.as_str()))
     }
 
-    /// Checks that a configuration has the right length and lies within the limits.
+    /// Checks that a configuration has the right length and lies within the limits, give or take [`LIMIT_TOLERANCE`].
     ///
     /// # Errors
     /// Names the joint, its value and its limits; `field` comes before it.
@@ -182,8 +192,7 @@ impl Arm {
             return Err(InvalidInput::new(field, configuration.len(), allowed));
         }
         for (joint, &value) in self.joints.iter().zip(configuration) {
-            // Written so that NaN fails too.
-            if !(joint.lower <= value && value <= joint.upper) {
+            if !joint.allows(value) {
                 let allowed = format!("within the limits {} to {}", joint.lower, joint.upper);
                 let field = format!("{field}.{}", joint.name);
                 return Err(InvalidInput::new(field, value, allowed));
@@ -227,7 +236,8 @@ impl Arm {
             let travel = [joint.lower, joint.upper]
                 .map(|end| (slot.multiplier * end + slot.offset).abs())
                 .into_iter()
-                .fold(0.0, f64::max);
+                .fold(0.0, f64::max)
+                + slot.multiplier.abs() * LIMIT_TOLERANCE;
             let travel = if slot.prismatic { travel } else { 0.0 };
             far[index + 1] = far[slot.parent] + norm(slot.constant.translation()) + travel;
         }

@@ -255,8 +255,8 @@ impl ArmScene {
 
     /// The first coordinate that is outside its limits, if any.
     fn outside(&self, configuration: &[f64]) -> Option<usize> {
-        let mut pairs = configuration.iter().zip(&self.limits);
-        pairs.position(|(value, [lower, upper])| !(lower..=upper).contains(&value))
+        let mut pairs = configuration.iter().zip(self.arm().joints());
+        pairs.position(|(&value, joint)| !joint.allows(value))
     }
 
     fn is_within(&self, configuration: &[f64]) -> bool {

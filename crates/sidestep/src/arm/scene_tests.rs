@@ -226,3 +226,26 @@ fn paths_are_free_where_their_segments_are() {
     assert!(!scene.path_is_free(&start, &x, &goal, None));
     assert!(scene.path_is_free(&start, &x[..3], &start, None));
 }
+
+#[test]
+fn links_that_always_touch_are_found() {
+    let (arm, _) = planar(&[]);
+    let all = Arm::clone(&arm).with_self_collisions(&[]).unwrap();
+    // Neighbours overlap at their joint; the first and the third link touch only where the arm is bent.
+    let (left, found) = all.without_lasting_contacts();
+    let pair = |a: &str, b: &str| (a.to_string(), b.to_string());
+    assert_eq!(found, [pair("link 1", "link 2"), pair("link 2", "link 3")]);
+    assert_eq!(left.self_collision_pairs().collect::<Vec<_>>(), [("link 1", "link 3")]);
+}
+
+#[test]
+fn limits_have_a_tolerance() {
+    let (arm, world) = planar(&[]);
+    let scene = ArmScene::new(&arm, &world, &Profile::DEFAULT);
+    for (value, allowed) in [(2.6, true), (2.600_009, true), (2.600_02, false), (-2.600_02, false)]
+    {
+        let q = [value, 0.0, 0.0];
+        assert_eq!(arm.check("start", &q).is_ok(), allowed, "{value}");
+        assert_eq!(scene.motion_is_free(&q, &q), allowed, "{value}");
+    }
+}
