@@ -60,9 +60,9 @@ impl Tasks {
                 let route = scene.shortest_path().find(task.start, task.goal);
                 let Route::Found { .. } = route else { return None };
                 let objective = Objective::new(task, scene, Profile::DEFAULT.waypoints).ok()?;
-                let map = view.map.as_ref().map(|shape| TaskMap::new(shape, &objective));
+                let map = view.map.as_ref().map(|shape| TaskMap::new(view, shape, &objective));
                 Some(Problem {
-                    view: WaypointView::new(&view.probes, &objective, Look::default()),
+                    view: WaypointView::new(view, &objective, Look::default()),
                     map,
                     objective,
                 })

@@ -63,7 +63,7 @@ struct Sighted {
 
 impl Sighted {
     fn new(parts: &ViewParts, objective: &Objective) -> Self {
-        Self { view: WaypointView::new(&parts.probes, objective, Look::default()), map: None }
+        Self { view: WaypointView::new(parts, objective, Look::default()), map: None }
     }
 
     /// The same task looked at another way.
@@ -78,13 +78,13 @@ impl Sighted {
             network.read_map(map.scratch());
             map
         });
-        Self { view: WaypointView::new(&parts.probes, objective, look), map }
+        Self { view: WaypointView::new(parts, objective, look), map }
     }
 
     /// Reads the task's map, where the policy has one and that has not been done.
     fn read_map(&mut self, parts: &ViewParts, network: &WaypointNet, objective: &Objective) {
         if let (Some(shape), None) = (&parts.map, &self.map) {
-            let mut own = TaskMap::new(shape, objective);
+            let mut own = TaskMap::new(parts, shape, objective);
             network.read_map(own.scratch());
             self.map = Some(own);
         }

@@ -243,7 +243,7 @@ impl Draws {
                 continue;
             }
             let members = KINDS.map(|kind| {
-                let view = WaypointView::new(&recipe.view.probes, &objective, Look::default());
+                let view = WaypointView::new(&recipe.view, &objective, Look::default());
                 let x = vec![0.0; objective.dim()];
                 let mut member = Member { kind, x, view, solved: false };
                 begin(kind, &objective, &mut self.rng, &mut member);
@@ -252,7 +252,7 @@ impl Draws {
             let long = self.rng.random::<f32>() < settings.long_share;
             let left = if long { settings.long_life } else { settings.life };
             let map = recipe.view.map.as_ref().map(|shape| {
-                let mut map = TaskMap::new(shape, &objective);
+                let mut map = TaskMap::new(&recipe.view, shape, &objective);
                 net.begin_map(map.scratch());
                 net.read_map(map.scratch());
                 map

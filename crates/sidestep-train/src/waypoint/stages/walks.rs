@@ -111,9 +111,9 @@ impl Walker<'_> {
         let waypoints = recipe.tasks.draw_waypoints(&mut rng);
         let objective = Objective::new(&task, scene.clone(), waypoints).ok()?;
         let x = self.start(&objective, &mut rng);
-        let view = WaypointView::new(&recipe.view.probes, &objective, Look::default());
+        let view = WaypointView::new(&recipe.view, &objective, Look::default());
         let map = recipe.view.map.as_ref().map(|shape| {
-            let mut map = TaskMap::new(shape, &objective);
+            let mut map = TaskMap::new(&recipe.view, shape, &objective);
             net.begin_map(map.scratch());
             net.read_map(map.scratch());
             map

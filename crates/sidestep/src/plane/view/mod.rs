@@ -18,8 +18,11 @@
 mod look;
 mod map;
 mod parts;
+mod picture;
 mod sweeps;
 mod ways;
+
+use std::sync::Arc;
 
 use crate::kernels::{Isa, dispatch};
 use crate::objective::Objective;
@@ -30,6 +33,7 @@ use look::Axes;
 pub use look::Look;
 pub use map::TaskMap;
 pub use parts::{PART, Probes, ViewParts};
+pub use picture::Picture;
 
 /// Numbers of a row besides the probes.
 const OWN: usize = 36;
@@ -39,6 +43,33 @@ const ON_SEGMENT: usize = 7;
 const COARSE: f32 = 1.2;
 /// Fine distances are clamped to this.
 const FINE: f32 = 0.15;
+/// Gradients are multiplied by this.
+const GRADIENT: f32 = 2.0;
+
+/// What is measured: distances, or the shades of a picture.
+#[derive(Clone, Copy)]
+enum Seen<'a> {
+    Field(&'a Field),
+    Picture(&'a Picture),
+}
+
+impl Seen<'_> {
+    #[inline(always)]
+    fn probe(self, x: &[f32], y: &[f32], out: &mut [f32]) {
+        match self {
+            Self::Field(field) => field.probe(x, y, out),
+            Self::Picture(picture) => picture.probe(x, y, out),
+        }
+    }
+
+    #[inline(always)]
+    fn sample(self, x: &[f32], y: &[f32], points: usize, out: &mut Samples) {
+        match self {
+            Self::Field(field) => field.sample(x, y, points, out),
+            Self::Picture(picture) => picture.sample(x, y, out),
+        }
+    }
+}
 
 /// The view of one trajectory of one task, with what it remembers from earlier steps.
 #[derive(Debug, Clone)]
@@ -56,7 +87,18 @@ pub struct WaypointView {
     is_bent: bool,
     is_free: bool,
     buffers: Buffers,
+    /// What is seen in place of distances.
+    picture: Option<Arc<Picture>>,
+    /// U, where its gradient is seen.
+    gradient: Option<Box<Slope>>,
     isa: Isa,
+}
+
+/// U and the buffer of its gradient.
+#[derive(Debug, Clone)]
+struct Slope {
+    objective: Objective,
+    gradient: Vec<f32>,
 }
 
 #[derive(Debug, Clone)]
@@ -81,9 +123,22 @@ struct Buffers {
     probe: Vec<f32>,
 }
 
+impl Buffers {
+    /// A segment is taken for free where all of its points and both ends are lighter than grey.
+    fn judge_by_shades(&mut self) {
+        let waypoints = self.points.len();
+        for (index, free) in self.free.iter_mut().enumerate() {
+            let shade = |i: usize| self.samples.distance[i] > 0.0;
+            let ends = (index == 0 || shade(index - 1)) && (index == waypoints || shade(index));
+            *free = ends && shade(waypoints + index);
+        }
+    }
+}
+
 impl WaypointView {
     /// A view of the trajectories of `objective`.
-    pub fn new(probes: &Probes, objective: &Objective, look: Look) -> Self {
+    pub fn new(parts: &ViewParts, objective: &Objective, look: Look) -> Self {
+        let probes = &parts.probes;
         let waypoints = objective.waypoints();
         let axes = Axes::new(objective, look);
         let start = axes.start;
@@ -123,6 +178,11 @@ impl WaypointView {
                 probe_y: vec![start[1]; probed],
                 probe: vec![0.0; probed],
             },
+            picture: parts.picture.map(|pixels| Arc::new(Picture::draw(scene, pixels))),
+            gradient: parts.gradient.then(|| {
+                let gradient = vec![0.0; objective.dim()];
+                Box::new(Slope { objective: objective.clone(), gradient })
+            }),
             isa: Isa::detect(),
         }
     }
@@ -161,11 +221,20 @@ impl WaypointView {
             *free = objective.segment_is_free(from, to);
             from = to;
         }
-        let blocked = free.iter().filter(|free| !**free).count();
-        self.is_free = blocked == 0;
-        let field = objective.scene().exact_field();
+        self.is_free = free.iter().all(|free| *free);
         let Axes { start, goal, length, .. } = self.axes;
-        measure(self.isa, field, &mut self.buffers, &self.offsets, start, goal);
+        let seen = match &self.picture {
+            Some(picture) => Seen::Picture(picture),
+            None => Seen::Field(objective.scene().exact_field()),
+        };
+        measure(self.isa, seen, &mut self.buffers, &self.offsets, start, goal);
+        if self.picture.is_some() {
+            self.buffers.judge_by_shades();
+        }
+        let blocked = self.buffers.free.iter().filter(|free| !**free).count();
+        if let Some(slope) = &mut self.gradient {
+            slope.objective.cost_and_gradient(x, &mut slope.gradient);
+        }
         let shared = [
             length / 3.2,
             (self.waypoints + 1) as f32 / 11.0,
@@ -174,7 +243,14 @@ impl WaypointView {
             blocked as f32 / (self.waypoints + 1) as f32,
         ];
         for (i, row) in out.chunks_exact_mut(stride).take(self.waypoints).enumerate() {
-            let rest = self.write_row(i, &shared, row);
+            let mut rest = self.write_row(i, &shared, row);
+            if let Some(slope) = &self.gradient {
+                let place = if self.look.backwards { self.waypoints - 1 - i } else { i };
+                let (head, tail) = rest.split_at_mut(2);
+                let slope = slope.gradient.as_chunks::<2>().0[place];
+                head.copy_from_slice(&self.axes.back(slope.map(|s| -GRADIENT * s)));
+                rest = tail;
+            }
             rest.fill(0.0);
             if let Some(map) = map {
                 map.read(i, self.buffers.points[i], rest);
@@ -282,7 +358,7 @@ fn fine(distance: f32) -> f32 {
 dispatch! {
     /// Fills distances and gradients of waypoints and points on segments, and the distances of the probes.
     fn measure(
-        field: &Field,
+        field: Seen<'_>,
         buffers: &mut Buffers,
         offsets: &[[f32; 2]],
         start: [f32; 2],
@@ -293,7 +369,7 @@ dispatch! {
 // The same plain arithmetic on every instruction set, so the same bits.
 #[inline(always)]
 fn measure_body<const ISA: u8>(
-    field: &Field,
+    field: Seen<'_>,
     buffers: &mut Buffers,
     offsets: &[[f32; 2]],
     start: [f32; 2],

@@ -14,8 +14,17 @@ fn probes() -> Probes {
     Probes::named("probes:8x0.5,2").unwrap()
 }
 
+fn parts(names: &[&str]) -> Result<ViewParts, crate::error::InvalidInput> {
+    ViewParts::from_names(&names.iter().map(|n| (*n).to_string()).collect::<Vec<_>>())
+}
+
+/// A view of these probes and nothing else.
+fn plain(probes: &Probes) -> ViewParts {
+    parts(&["waypoints", &probes.name()]).unwrap()
+}
+
 fn row_len(probes: &Probes) -> usize {
-    ViewParts { probes: probes.clone(), map: None }.row_len()
+    plain(probes).row_len()
 }
 
 fn objective(task: &Task, profile: &Profile) -> Objective {
@@ -52,7 +61,7 @@ fn a_turned_world_looks_the_same() {
         let mut seen = Vec::new();
         for task in [task.clone(), turned(&task)] {
             let objective = objective(&task, &Profile::DEFAULT);
-            let mut view = WaypointView::new(&probes(), &objective, Look::default());
+            let mut view = WaypointView::new(&plain(&probes()), &objective, Look::default());
             let mut x = vec![0.0; 14];
             objective.straight_line(&mut x);
             let stride = row_len(&probes()) + 3;
@@ -75,8 +84,8 @@ fn look_at(task: &Task, look: Look) -> Vec<f32> {
     let names = ["waypoints", "probes:8x0.5,2", "map:6x16x1"].map(String::from);
     let parts = ViewParts::from_names(&names).unwrap();
     let objective = objective(task, &Profile::DEFAULT);
-    let mut view = WaypointView::new(&parts.probes, &objective, look);
-    let map = TaskMap::new(parts.map.as_ref().unwrap(), &objective).other(&objective, look);
+    let mut view = WaypointView::new(&parts, &objective, look);
+    let map = TaskMap::new(&parts, parts.map.as_ref().unwrap(), &objective).other(&objective, look);
     let mut x = vec![0.0; 14];
     objective.straight_line(&mut x);
     let mut rows = vec![0.0; 7 * parts.row_len()];
@@ -121,7 +130,7 @@ fn both_profiles_look_the_same() {
         objective.straight_line(&mut x);
         let stride = row_len(&probes());
         let mut rows = vec![0.0; 7 * stride];
-        WaypointView::new(&probes(), &objective, Look::default())
+        WaypointView::new(&plain(&probes()), &objective, Look::default())
             .encode(&objective, &x, None, &mut rows, stride);
         rows
     });
@@ -139,7 +148,7 @@ fn rows_hold_what_the_table_says() {
     let objective = Objective::new(&task, Arc::new(Scene::of(&task, &Profile::DEFAULT)), 1);
     let objective = objective.unwrap();
     let probes = Probes::named("probes:4x1").unwrap();
-    let mut view = WaypointView::new(&probes, &objective, Look::default());
+    let mut view = WaypointView::new(&plain(&probes), &objective, Look::default());
     let mut row = vec![0.0; row_len(&probes)];
     // The one waypoint is at (24, 32): 0.6 from the rectangle, which blocks the segment after it.
     view.encode(&objective, &[2.4, 3.2], None, &mut row, row_len(&probes));
@@ -190,11 +199,56 @@ fn names_of_probes_are_checked() {
     {
         assert_eq!(Probes::named(name).unwrap_err().field, "observation", "{name}");
     }
-    let parts = |names: &[&str]| {
-        ViewParts::from_names(&names.iter().map(|n| (*n).to_string()).collect::<Vec<_>>())
-    };
     assert!(parts(&["waypoints", "probes:4x1"]).is_ok());
     assert!(parts(&["gradient", "probes:4x1"]).is_err());
+}
+
+#[test]
+fn a_picture_and_a_gradient_are_parts_by_name() {
+    let seen = parts(&["picture:64", "probes:4x1", "map:6x16x1", "gradient"]).unwrap();
+    assert_eq!((seen.picture, seen.gradient), (Some(64), true));
+    assert_eq!(
+        seen.row_len(),
+        parts(&["waypoints", "probes:4x1", "map:6x16x1"]).unwrap().row_len() + 2
+    );
+    for names in [
+        &["picture:0", "probes:4x1"][..],
+        &["picture:65", "probes:4x1"],
+        &["picture:4096", "probes:4x1"],
+        &["picture:", "probes:4x1"],
+        &["waypoints", "probes:4x1", "gradient", "map:6x16x1"],
+        &["waypoints", "probes:4x1", "gradient", "gradient"],
+    ] {
+        assert_eq!(parts(names).unwrap_err().field, "observation", "{names:?}");
+    }
+}
+
+/// Who sees a picture sees nothing that the picture does not show: two worlds of the same picture look the same.
+#[test]
+fn a_picture_is_all_that_is_seen_of_the_world() {
+    let names = ["picture:32", "probes:8x0.5,2", "map:6x16x1"];
+    let parts = parts(&names).unwrap();
+    let wall = |right: f64| Obstacle::Rect(Rect::new([20.0, 0.0], [right, 40.0]).unwrap());
+    let field = Rect::new([0.0; 2], [64.0; 2]).unwrap();
+    let rows = |obstacles: Vec<Obstacle>| {
+        let world = Arc::new(World::new(field, obstacles, None));
+        let task =
+            Task::new("", world, crate::robot::Robot::Point, [5.0, 9.0], [50.0, 8.0]).unwrap();
+        let objective = objective(&task, &Profile::DEFAULT);
+        let mut view = WaypointView::new(&parts, &objective, Look::default());
+        let map = TaskMap::new(&parts, parts.map.as_ref().unwrap(), &objective);
+        let mut x = vec![0.0; 14];
+        objective.straight_line(&mut x);
+        let mut rows = vec![0.0; 7 * parts.row_len()];
+        view.encode(&objective, &x, Some(&map), &mut rows, parts.row_len());
+        (rows, view.is_free())
+    };
+    let (wall_rows, _) = rows(vec![wall(30.0)]);
+    // A hair that no pixel shows.
+    let hair = Obstacle::Rect(Rect::new([41.5, 41.5], [41.5001, 41.5001]).unwrap());
+    assert_eq!(rows(vec![wall(30.0), hair]).0, wall_rows);
+    assert_ne!(rows(vec![wall(31.0)]).0, wall_rows);
+    assert!(!rows(vec![wall(30.0)]).1 && rows(vec![]).1);
 }
 
 /// A loss of the network's outputs, its gradient through rows and map against differences.
@@ -216,12 +270,12 @@ fn gradients_flow_through_the_map() {
     let objective = objective(&task, &Profile::DEFAULT);
     let mut x = vec![0.0; 14];
     objective.straight_line(&mut x);
-    let mut map = TaskMap::new(parts.map.as_ref().unwrap(), &objective);
+    let mut map = TaskMap::new(&parts, parts.map.as_ref().unwrap(), &objective);
     let mut scratch = WaypointScratch::default();
     let stride = net.input_stride();
     let loss = |net: &WaypointNet, map: &mut TaskMap, scratch: &mut WaypointScratch| {
         net.read_map(map.scratch());
-        let mut view = WaypointView::new(&parts.probes, &objective, Look::default());
+        let mut view = WaypointView::new(&parts, &objective, Look::default());
         view.encode(&objective, &x, Some(map), scratch.input(7, stride), stride);
         net.forward(scratch, 7);
         (0..7).map(|i| f64::from(scratch.output(i)[0] - 0.5 * scratch.output(i)[1])).sum::<f64>()
