@@ -146,3 +146,18 @@ fn layout() {
     let line = r##"{"format": "sidestep.task/1", "name": "a \"b\"", "bounds": [[0, 0], [64, 48]], "obstacles": [{"rect": [[1, 2], [3.5, 4]]}, {"circle": {"center": [0.1, 1e-7], "radius": 2}}], "grid": {"resolution": 0.5, "origin": [0, 0], "rows": [".##", "#.."]}, "robot": {"disc": {"radius": 0.5}}, "start": [1, 1], "goal": [9, 9]}"##;
     assert_eq!(write_task(&task).unwrap(), line);
 }
+
+#[test]
+fn what_rows_repeat_is_bounded_by_their_length() {
+    let task = |row: &str, rows: usize| {
+        let rows = vec![format!("{row:?}"); rows].join(",");
+        format!(
+            "{{\"format\": \"sidestep.task/1\", \"bounds\": [[0, 0], [1, 1]], \"start\": [0, 0], \
+             \"goal\": [1, 1], \"grid\": {{\"resolution\": 1, \"rows\": [{rows}]}}}}"
+        )
+    };
+    let error = read_tasks(&task("8192.", 8193), TaskFormat::Json).unwrap_err().to_string();
+    let expected = "grid.rows: found more than 8192 rows of 8192 cells in 40965 bytes; expected at most 67108864";
+    assert!(error.contains(expected), "{error}");
+    assert!(read_tasks(&task("4096.", 4096), TaskFormat::Json).is_ok());
+}
