@@ -3,6 +3,18 @@
 use super::LANES;
 use super::segments::Side;
 
+/// What is known of a block of points after some shapes; starts as [`Default`], with none met.
+pub(super) trait Compared: Default {
+    /// Meets a rectangle `[min_x, min_y, max_x, max_y]`.
+    fn rect(&mut self, rect: &[f32; 4], x: &[f32; LANES], y: &[f32; LANES]);
+    /// Meets a circle `[center_x, center_y, radius]`.
+    fn circle(&mut self, circle: &[f32; 3], x: &[f32; LANES], y: &[f32; LANES]);
+    /// Meets a polygon.
+    fn polygon(&mut self, sides: &[Side], x: &[f32; LANES], y: &[f32; LANES]);
+    /// Takes the marked lanes of another.
+    fn take(&mut self, other: &Self, lanes: &[bool; LANES]);
+}
+
 /// The nearest of the shapes met so far, for each lane.
 pub(super) struct Nearest {
     pub square: [f32; LANES],
@@ -25,9 +37,11 @@ impl Nearest {
         self.offset_x[l] = if nearer { offset_x } else { self.offset_x[l] };
         self.offset_y[l] = if nearer { offset_y } else { self.offset_y[l] };
     }
+}
 
+impl Compared for Nearest {
     #[inline(always)]
-    pub fn rect(
+    fn rect(
         &mut self,
         &[min_x, min_y, max_x, max_y]: &[f32; 4],
         x: &[f32; LANES],
@@ -46,7 +60,7 @@ impl Nearest {
     }
 
     #[inline(always)]
-    pub fn circle(
+    fn circle(
         &mut self,
         &[center_x, center_y, radius]: &[f32; 3],
         x: &[f32; LANES],
@@ -62,7 +76,7 @@ impl Nearest {
     }
 
     #[inline(always)]
-    pub fn polygon(&mut self, sides: &[Side], x: &[f32; LANES], y: &[f32; LANES]) {
+    fn polygon(&mut self, sides: &[Side], x: &[f32; LANES], y: &[f32; LANES]) {
         for l in 0..LANES {
             let mut outside = false;
             let mut nearest = [f32::INFINITY, 0.0, 0.0];
@@ -74,6 +88,16 @@ impl Nearest {
                 nearest = if square < nearest[0] { [square, ox, oy] } else { nearest };
             }
             self.keep(l, if outside { nearest[0] } else { 0.0 }, nearest[1], nearest[2]);
+        }
+    }
+
+    #[inline(always)]
+    fn take(&mut self, other: &Self, lanes: &[bool; LANES]) {
+        for l in 0..LANES {
+            let take = |new: f32, old: f32| if lanes[l] { new } else { old };
+            self.square[l] = take(other.square[l], self.square[l]);
+            self.offset_x[l] = take(other.offset_x[l], self.offset_x[l]);
+            self.offset_y[l] = take(other.offset_y[l], self.offset_y[l]);
         }
     }
 }
@@ -102,9 +126,9 @@ fn most(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-impl Probe {
+impl Compared for Probe {
     #[inline(always)]
-    pub fn rect(
+    fn rect(
         &mut self,
         &[min_x, min_y, max_x, max_y]: &[f32; 4],
         x: &[f32; LANES],
@@ -120,7 +144,7 @@ impl Probe {
     }
 
     #[inline(always)]
-    pub fn circle(
+    fn circle(
         &mut self,
         &[center_x, center_y, radius]: &[f32; 3],
         x: &[f32; LANES],
@@ -136,7 +160,7 @@ impl Probe {
     }
 
     #[inline(always)]
-    pub fn polygon(&mut self, sides: &[Side], x: &[f32; LANES], y: &[f32; LANES]) {
+    fn polygon(&mut self, sides: &[Side], x: &[f32; LANES], y: &[f32; LANES]) {
         for l in 0..LANES {
             let (mut outside, mut nearest) = (false, f32::INFINITY);
             for side in sides {
@@ -147,6 +171,15 @@ impl Probe {
             }
             self.square[l] = least(self.square[l], if outside { nearest } else { 0.0 });
             self.depth[l] = least(self.depth[l], if outside { 0.0 } else { -nearest.sqrt() });
+        }
+    }
+
+    #[inline(always)]
+    fn take(&mut self, other: &Self, lanes: &[bool; LANES]) {
+        for l in 0..LANES {
+            let take = |new: f32, old: f32| if lanes[l] { new } else { old };
+            self.square[l] = take(other.square[l], self.square[l]);
+            self.depth[l] = take(other.depth[l], self.depth[l]);
         }
     }
 }

@@ -10,7 +10,7 @@
 
 use super::boundary::{Arc, UnionBoundary};
 use super::index::{Index, OUTSIDE};
-use super::nearest::{Nearest, Probe};
+use super::nearest::{Compared, Nearest, Probe};
 use super::pieces::{Boundary, Shapes};
 use super::segments::{SegmentLanes, Side};
 use super::{LANES, Samples};
@@ -152,13 +152,21 @@ impl ShapeField {
 
     #[inline(always)]
     fn probe_block(&self, x: &[f32; LANES], y: &[f32; LANES]) -> [f32; LANES] {
-        let mut probe = Probe::default();
+        let Probe { square, depth } = self.compared(x, y);
+        std::array::from_fn(|l| if depth[l] < 0.0 { depth[l] } else { square[l].sqrt() })
+    }
+
+    /// What is known of a block of points after all shapes, or where there is an index after those that can
+    /// be nearest to each.
+    #[inline(always)]
+    fn compared<C: Compared>(&self, x: &[f32; LANES], y: &[f32; LANES]) -> C {
+        let mut all = C::default();
         match &self.near_shapes {
-            None => self.probe_every(x, y, &mut probe),
+            None => self.compare_every(x, y, &mut all),
             Some(index) => by_leaf(index, x, y, |leaf, lanes| {
-                let mut part = Probe::default();
+                let mut part = C::default();
                 if leaf == OUTSIDE {
-                    self.probe_every(x, y, &mut part);
+                    self.compare_every(x, y, &mut part);
                 } else {
                     for &shape in index.candidates(leaf) {
                         match self.shape(shape) {
@@ -168,26 +176,23 @@ impl ShapeField {
                         }
                     }
                 }
-                for l in 0..LANES {
-                    probe.square[l] = if lanes[l] { part.square[l] } else { probe.square[l] };
-                    probe.depth[l] = if lanes[l] { part.depth[l] } else { probe.depth[l] };
-                }
+                all.take(&part, lanes);
             }),
         }
-        let Probe { square, depth } = probe;
-        std::array::from_fn(|l| if depth[l] < 0.0 { depth[l] } else { square[l].sqrt() })
+        all
     }
 
     #[inline(always)]
-    fn probe_every(&self, x: &[f32; LANES], y: &[f32; LANES], probe: &mut Probe) {
-        self.rects.iter().for_each(|rect| probe.rect(rect, x, y));
-        self.circles.iter().for_each(|circle| probe.circle(circle, x, y));
-        self.polygons.iter().for_each(|sides| probe.polygon(sides, x, y));
+    fn compare_every<C: Compared>(&self, x: &[f32; LANES], y: &[f32; LANES], known: &mut C) {
+        self.rects.iter().for_each(|rect| known.rect(rect, x, y));
+        self.circles.iter().for_each(|circle| known.circle(circle, x, y));
+        self.polygons.iter().for_each(|sides| known.polygon(sides, x, y));
     }
 
     #[inline(always)]
     fn sample_block(&self, x: &[f32; LANES], y: &[f32; LANES]) -> Block {
-        let (square, offset_x, offset_y) = self.outside(x, y);
+        // Squared distance to the nearest shape (0 inside) and the offset from its nearest point.
+        let Nearest { square, offset_x, offset_y } = self.compared(x, y);
         let (mut distance, mut gradient_x, mut gradient_y) = (square, offset_x, offset_y);
         for l in 0..LANES {
             distance[l] = square[l].sqrt();
@@ -200,43 +205,6 @@ impl ShapeField {
             }
         }
         (distance, gradient_x, gradient_y)
-    }
-
-    /// Squared distance to the nearest shape (0 inside) and the offset from its nearest point.
-    #[inline(always)]
-    fn outside(&self, x: &[f32; LANES], y: &[f32; LANES]) -> Block {
-        let mut nearest = Nearest::default();
-        match &self.near_shapes {
-            None => self.nearest_of_every(x, y, &mut nearest),
-            Some(index) => by_leaf(index, x, y, |leaf, lanes| {
-                let mut part = Nearest::default();
-                if leaf == OUTSIDE {
-                    self.nearest_of_every(x, y, &mut part);
-                } else {
-                    for &shape in index.candidates(leaf) {
-                        match self.shape(shape) {
-                            Shape::Rect(rect) => part.rect(rect, x, y),
-                            Shape::Circle(circle) => part.circle(circle, x, y),
-                            Shape::Polygon(sides) => part.polygon(sides, x, y),
-                        }
-                    }
-                }
-                for l in 0..LANES {
-                    let keep = |new: f32, old: f32| if lanes[l] { new } else { old };
-                    nearest.square[l] = keep(part.square[l], nearest.square[l]);
-                    nearest.offset_x[l] = keep(part.offset_x[l], nearest.offset_x[l]);
-                    nearest.offset_y[l] = keep(part.offset_y[l], nearest.offset_y[l]);
-                }
-            }),
-        }
-        (nearest.square, nearest.offset_x, nearest.offset_y)
-    }
-
-    #[inline(always)]
-    fn nearest_of_every(&self, x: &[f32; LANES], y: &[f32; LANES], nearest: &mut Nearest) {
-        self.rects.iter().for_each(|rect| nearest.rect(rect, x, y));
-        self.circles.iter().for_each(|circle| nearest.circle(circle, x, y));
-        self.polygons.iter().for_each(|sides| nearest.polygon(sides, x, y));
     }
 
     /// A shape by its number: rectangles first, then circles, then polygons.
