@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use serde_json::json;
-use sidestep::arm::{Arm, Model};
+use sidestep::arm::Arm;
 use sidestep::plan::rrt_connect::RrtConnect;
 use sidestep::scene::Setting;
 use sidestep::space::Hull;
@@ -59,9 +59,11 @@ fn main() -> Result<(), Failure> {
     let mut none = |_: &str| Err(std::io::Error::other("no file"));
     let problems = read_problems(&std::fs::read(file)?, &mut none)?;
     let first = problems.first().ok_or("no problem")?;
-    let joints: Vec<&str> = first.joints.iter().map(String::as_str).collect();
-    let arm = arm(&model, &joints, &first.fixed_joints, &srdf.disabled_pairs)?;
-    plan_all(&arm, &problems, out)
+    let (arm, lasting) = first.arm(&model, &srdf)?;
+    for (a, b) in &lasting {
+        eprintln!("{a} and {b} always touch: not checked against each other");
+    }
+    plan_all(&Arc::new(arm), &problems, out)
 }
 
 fn plan_all(arm: &Arc<Arm>, problems: &[Problem], out: &str) -> Result<(), Failure> {
@@ -91,26 +93,6 @@ fn plan_all(arm: &Arc<Arm>, problems: &[Problem], out: &str) -> Result<(), Failu
         problems.len()
     );
     Ok(())
-}
-
-fn arm(
-    model: &Model,
-    joints: &[&str],
-    fixed: &[(String, f64)],
-    disabled: &[(String, String)],
-) -> Result<Arc<Arm>, InvalidInput> {
-    let held = fixed.iter().filter(|(name, _)| model.joint(name).is_some()).cloned().collect();
-    let known = disabled
-        .iter()
-        .filter(|(a, b)| model.link(a).is_some() && model.link(b).is_some())
-        .cloned()
-        .collect::<Vec<_>>();
-    let arm = Arm::new(model, joints, &held)?.with_self_collisions(&known)?;
-    let (arm, lasting) = arm.without_lasting_contacts();
-    for (a, b) in &lasting {
-        eprintln!("{a} and {b} always touch: not checked against each other");
-    }
-    Ok(Arc::new(arm))
 }
 
 fn load_hull(folder: &Path, file: &str, scale: [f64; 3]) -> Result<Arc<Hull>, InvalidInput> {

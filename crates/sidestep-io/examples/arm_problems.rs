@@ -7,47 +7,16 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints its result")]
 
-use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use serde_json::Value;
 use sidestep::arm::Arm;
 use sidestep::arm::certificate::{Certifier, Verdict};
-use sidestep::space::{Object, Pose, Shape, World};
 use sidestep::{Options, Planner, Setting, Task, plan};
 use sidestep_io::robots::{read_srdf, read_urdf};
+use sidestep_io::scenes::{Problem, read_problems};
 
 type Failure = Box<dyn std::error::Error>;
-
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
-}
-
-fn triple(value: &Value) -> [f64; 3] {
-    let numbers = numbers(value);
-    std::array::from_fn(|k| numbers.get(k).copied().unwrap_or(f64::NAN))
-}
-
-fn world(obstacles: &Value) -> Result<World, Failure> {
-    let mut objects = Vec::new();
-    for (index, obstacle) in obstacles.as_array().into_iter().flatten().enumerate() {
-        let q = numbers(&obstacle["quaternion"]);
-        let wxyz = std::array::from_fn(|k| q.get(k).copied().unwrap_or(f64::NAN));
-        let pose = Pose::from_wxyz(wxyz, triple(&obstacle["position"]))?;
-        let number = |name: &str| obstacle[name].as_f64().unwrap_or(f64::NAN);
-        let shape = match obstacle["shape"].as_str() {
-            Some("box") => Shape::Box { half_extents: triple(&obstacle["half_extents"]) },
-            Some("cylinder") => {
-                Shape::Cylinder { radius: number("radius"), half_length: 0.5 * number("length") }
-            }
-            other => return Err(format!("shape {other:?}").into()),
-        };
-        let name = format!("{} {index}", obstacle["name"].as_str().unwrap_or("?"));
-        objects.push(Object::new(name, vec![(pose, shape)]));
-    }
-    Ok(World::new(objects)?)
-}
 
 /// The median, the 95th percentile and the largest.
 fn percentiles(values: &[f64]) -> [f64; 3] {
@@ -61,31 +30,15 @@ fn main() -> Result<(), Failure> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [problems, urdf, srdf, rest @ ..] = args.as_slice() else {
         return Err(
-            "usage: arm_problems PROBLEMS.json ROBOT.urdf ROBOT.srdf [ROUNDS] [STEP] [REPEATS]"
-                .into(),
+            "usage: arm_problems PROBLEMS.json ROBOT.urdf ROBOT.srdf [PLANNER] [REPEATS]".into()
         );
     };
-    let document: Value = serde_json::from_str(&std::fs::read_to_string(problems)?)?;
+    let mut none = |_: &str| Err(std::io::Error::other("no file"));
+    let problems = read_problems(&std::fs::read(problems)?, &mut none)?;
     let begin = Instant::now();
     let model = read_urdf(&std::fs::read_to_string(urdf)?)?;
     let srdf = read_srdf(&std::fs::read_to_string(srdf)?)?;
-    let joints: Vec<&str> =
-        document["joints"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
-    let held: HashMap<String, f64> = document["fixed_joints"]
-        .as_object()
-        .into_iter()
-        .flatten()
-        .filter_map(|(name, value)| Some((name.clone(), value[0].as_f64()?)))
-        .filter(|(name, _)| model.joint(name).is_some())
-        .collect();
-    let known: Vec<(String, String)> = srdf
-        .disabled_pairs
-        .iter()
-        .filter(|(a, b)| model.link(a).is_some() && model.link(b).is_some())
-        .cloned()
-        .collect();
-    let arm = Arm::new(&model, &joints, &held)?.with_self_collisions(&known)?;
-    let (arm, lasting) = arm.without_lasting_contacts();
+    let (arm, lasting) = problems[0].arm(&model, &srdf)?;
     let arm = Arc::new(arm);
     for (a, b) in &lasting {
         println!("{a} and {b} always touch: not checked against each other");
@@ -104,8 +57,9 @@ fn main() -> Result<(), Failure> {
     let repeats = rest.get(1).map_or(Ok(3), |n| n.parse())?;
     let mut sets: Vec<(String, Row)> = Vec::new();
     let mut all = Row::default();
-    for (index, problem) in document["problems"].as_array().into_iter().flatten().enumerate() {
-        let set = problem["set"].as_str().unwrap_or("?").to_string();
+    for (index, problem) in problems.iter().enumerate() {
+        // Of `cage/12` it is `cage`.
+        let set = problem.name.split('/').next().unwrap_or_default().to_owned();
         let at = sets.iter().position(|row| row.0 == set).unwrap_or_else(|| {
             sets.push((set, Row::default()));
             sets.len() - 1
@@ -172,12 +126,12 @@ fn solve(
     arm: &Arc<Arm>,
     planner: &Planner,
     index: usize,
-    problem: &Value,
+    problem: &Problem,
     repeats: usize,
 ) -> Result<Row, Failure> {
     let mut row = Row { count: 1, ..Row::default() };
-    let world = Arc::new(world(&problem["obstacles"])?);
-    let (start, goal) = (numbers(&problem["start"]), numbers(&problem["goals"][0]));
+    let world = Arc::clone(&problem.world);
+    let (start, goal) = (problem.start.clone(), problem.goals[0].clone());
     let certifier = Certifier::new(Arc::clone(arm), Arc::clone(&world));
     let mut work = certifier.work();
     for (name, end) in [("start", &start), ("goal", &goal)] {

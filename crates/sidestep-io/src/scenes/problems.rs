@@ -22,12 +22,15 @@
 
 use std::sync::Arc;
 
+use sidestep::InvalidInput;
+use sidestep::arm::{Arm, Model};
 use sidestep::space::{Shape, World};
 
 use super::objects::Objects;
 use super::{Load, json, tree};
 use crate::error::FormatError;
 use crate::json::{Json, Node, parse};
+use crate::robots::Srdf;
 
 /// What `format` says in problems of this version.
 pub const PROBLEM_FORMAT: &str = "sidestep.problems/1";
@@ -51,6 +54,28 @@ pub struct Problem {
     pub goals: Vec<Vec<f64>>,
     /// What is around the robot, in the frame of its base.
     pub world: Arc<World>,
+}
+
+impl Problem {
+    /// The robot of a URDF and an SRDF as this problem asks for it: its joints move, others are held where
+    /// it says, and links are checked against each other but for the SRDF's pairs and for those that always
+    /// touch, whose names come with it. Joints and links that the URDF lacks are passed over.
+    ///
+    /// # Errors
+    /// As [`Arm::new`].
+    pub fn arm(
+        &self,
+        model: &Model,
+        srdf: &Srdf,
+    ) -> Result<(Arm, Vec<(String, String)>), InvalidInput> {
+        let joints: Vec<&str> = self.joints.iter().map(String::as_str).collect();
+        let held = self.fixed_joints.iter().filter(|(name, _)| model.joint(name).is_some());
+        let is_known = |link: &str| model.link(link).is_some();
+        let disabled = srdf.disabled_pairs.iter().filter(|(a, b)| is_known(a) && is_known(b));
+        let disabled: Vec<(String, String)> = disabled.cloned().collect();
+        let arm = Arm::new(model, &joints, &held.cloned().collect())?;
+        Ok(arm.with_self_collisions(&disabled)?.without_lasting_contacts())
+    }
 }
 
 /// The problems of a file's text, in its order; at least one.
