@@ -11,18 +11,10 @@ use std::time::Duration;
 use rand::RngExt;
 use sidestep::rng::{Purpose, stream};
 
+use crate::train::SMALL;
 use crate::{check, folder, run};
 
-/// Trainings of both kinds, of a second or so, with something of everything.
-const PAPER: &str = r#"
-environment_steps = 19_200
-network.hidden = 16
-training = { suite = "mix", count = 10, seed = 1000 }
-environment.episode_limit = 20
-cloning = { epochs = 2, samples_per_task = 20 }
-ppo = { environments = 10, steps = 40, schedule = "linear" }
-validation = { count = 20, every = 5, steps = 30 }
-"#;
+/// A training of the other kind, of a second or so too.
 const WAYPOINT: &str = r#"
 architecture = "waypoint"
 observation = ["waypoints", "probes:4x0.5,1.5"]
@@ -68,7 +60,7 @@ fn check_nothing_left(folder: &Path) {
 
 #[test]
 fn killed_trainings_go_on_to_the_same_bits() {
-    for (kind, config) in [("paper", PAPER), ("waypoint", WAYPOINT)] {
+    for (kind, config) in [("paper", SMALL), ("waypoint", WAYPOINT)] {
         let folder = folder();
         let folder = folder.path();
         fs::write(folder.join("config.toml"), config).unwrap();
@@ -138,7 +130,7 @@ fn killed_programs_leave_whole_files_or_none() {
 fn a_flipped_bit_is_found() {
     let folder = folder();
     let folder = folder.path();
-    fs::write(folder.join("config.toml"), PAPER.replace("19_200", "1_200")).unwrap();
+    fs::write(folder.join("config.toml"), SMALL.replace("19_200", "1_200")).unwrap();
     check(folder, "train config.toml --out run --quiet", 0, &[]);
     let mut rng = stream(0, Purpose::Query, 2, 0);
     for name in ["checkpoint", "policy"] {
@@ -165,7 +157,7 @@ fn a_flipped_bit_is_found() {
 fn a_full_disk_costs_nothing_that_was_there() {
     let folder = folder();
     let folder = folder.path();
-    fs::write(folder.join("config.toml"), PAPER).unwrap();
+    fs::write(folder.join("config.toml"), SMALL).unwrap();
     check(folder, "train config.toml --out whole --quiet", 0, &[]);
     let line = "exec sidestep train config.toml --out full --checkpoint-every 0";
     killed_after(folder, line, Duration::from_millis(400));

@@ -35,7 +35,7 @@ fn bad_configurations() {
 }
 
 /// A training of about a second with something of everything: 2 epochs of cloning, 48 updates, validations.
-const SMALL: &str = r#"
+pub const SMALL: &str = r#"
 environment_steps = 19_200
 network.hidden = 16
 training = { suite = "mix", count = 10, seed = 1000 }
