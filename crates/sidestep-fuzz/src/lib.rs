@@ -9,6 +9,7 @@
 pub mod mutation;
 mod planning;
 mod readers;
+mod robots;
 mod training;
 
 /// A target: its name, which is its corpus folder's too, and its body.
@@ -22,7 +23,7 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 15] = [
+pub const TARGETS: [Target; 20] = [
     Target { name: "task_json", run: readers::task_json, longest: 4096 },
     Target { name: "task_lines", run: readers::task_lines, longest: 4096 },
     Target { name: "barn", run: readers::barn, longest: 2048 },
@@ -37,6 +38,11 @@ pub const TARGETS: [Target; 15] = [
     Target { name: "checkpoint", run: training::checkpoint, longest: 32_768 },
     Target { name: "recipe", run: training::recipe, longest: 1024 },
     Target { name: "names", run: training::names, longest: 128 },
+    Target { name: "urdf", run: robots::urdf, longest: 4096 },
+    Target { name: "srdf", run: robots::srdf, longest: 2048 },
+    Target { name: "scene", run: robots::scene, longest: 2048 },
+    Target { name: "problems", run: robots::problems, longest: 4096 },
+    Target { name: "plan_document", run: robots::plan_document, longest: 2048 },
     Target { name: "planning", run: planning::planning, longest: 256 },
 ];
 
