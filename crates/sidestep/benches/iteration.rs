@@ -147,7 +147,7 @@ fn shipped_map(bencher: divan::Bencher) {
     bencher.counter(ItemsCount::new(TASKS)).bench_local(|| {
         for objective in &batch.objectives {
             network.read_map(
-                divan::black_box(TaskMap::new(shape, objective.plane().unwrap())).scratch(),
+                divan::black_box(TaskMap::new(view, shape, objective.plane().unwrap())).scratch(),
             );
         }
     });

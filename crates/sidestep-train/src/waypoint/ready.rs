@@ -4,7 +4,7 @@
 use sidestep::Task;
 use sidestep::network::{WaypointNet, WaypointScratch};
 use sidestep::objective::Objective;
-use sidestep::plane::view::{Look, TaskMap, ViewParts, WaypointView};
+use sidestep::plane::view::{Iterate, Look, TaskMap, ViewParts, WaypointView};
 use sidestep::policy::ActionRule;
 use sidestep::profile::Profile;
 use sidestep::scene::Query;
@@ -14,6 +14,8 @@ use sidestep::scene::Query;
 pub(crate) struct Ready {
     pub objective: Objective,
     pub map: Option<TaskMap>,
+    /// The gradient of U at what was seen last, if policies see it; else nothing.
+    gradient: Vec<f32>,
 }
 
 impl Ready {
@@ -21,8 +23,9 @@ impl Ready {
     /// outside of the plane, which is where these policies see.
     pub fn new(view: &ViewParts, objective: Objective) -> Option<Self> {
         let subject = objective.plane()?;
-        let map = view.map.as_ref().map(|shape| TaskMap::new(shape, subject));
-        Some(Self { objective, map })
+        let map = view.map.as_ref().map(|shape| TaskMap::new(view, shape, subject));
+        let gradient = vec![0.0; if view.gradient { objective.dim() } else { 0 }];
+        Some(Self { objective, map, gradient })
     }
 
     /// The task as waypoint policies know it.
@@ -32,7 +35,7 @@ impl Ready {
 
     /// A view of the task for one walk.
     pub fn view(&self, parts: &ViewParts) -> Option<WaypointView> {
-        Some(WaypointView::new(&parts.probes, self.objective.plane()?, Look::default()))
+        Some(WaypointView::new(parts, self.objective.plane()?, Look::default()))
     }
 
     /// Reads the map with the network as it is now.
@@ -65,21 +68,25 @@ impl Ready {
 
     /// Writes to `rows` what `view` sees at `x`, of which [`Ready::is_free`] wrote `free`.
     pub fn see(
-        &self,
+        &mut self,
         view: &mut WaypointView,
         x: &[f32],
         free: &[bool],
         rows: &mut [f32],
         stride: usize,
     ) {
+        if !self.gradient.is_empty() {
+            self.objective.cost_and_gradient(x, &mut self.gradient);
+        }
         if let Some(subject) = self.objective.plane() {
-            view.encode(subject, x, free, self.map.as_ref(), rows, stride);
+            let seen = Iterate { x, free, gradient: &self.gradient };
+            view.encode(subject, seen, self.map.as_ref(), rows, stride);
         }
     }
 
     /// The index of the first iterate from `x` that is free, of `steps` at most; 0 is `x` itself.
     pub fn first_free(
-        &self,
+        &mut self,
         mut view: WaypointView,
         mut x: Vec<f32>,
         (net, rule): (&WaypointNet, &ActionRule),

@@ -15,7 +15,7 @@ use crate::error::InvalidInput;
 use crate::network::{Scratch, WaypointNet, WaypointScratch};
 use crate::objective::Objective;
 use crate::plane::Subject;
-use crate::plane::view::{Look, TaskMap, ViewParts, WaypointView};
+use crate::plane::view::{Iterate, Look, TaskMap, ViewParts, WaypointView};
 use crate::policy::observation::Encoder;
 use crate::policy::{Policy, PolicyNetwork};
 use crate::trajectory::waypoints::bend;
@@ -65,7 +65,7 @@ struct Sighted {
 
 impl Sighted {
     fn new(parts: &ViewParts, subject: Subject<'_>) -> Self {
-        Self { view: WaypointView::new(&parts.probes, subject, Look::default()), map: None }
+        Self { view: WaypointView::new(parts, subject, Look::default()), map: None }
     }
 
     /// The same task looked at another way.
@@ -80,30 +80,30 @@ impl Sighted {
             network.read_map(map.scratch());
             map
         });
-        Self { view: WaypointView::new(&parts.probes, subject, look), map }
+        Self { view: WaypointView::new(parts, subject, look), map }
     }
 
     /// Reads the task's map, where the policy has one and that has not been done.
     fn read_map(&mut self, parts: &ViewParts, network: &WaypointNet, subject: Subject<'_>) {
         if let (Some(shape), None) = (&parts.map, &self.map) {
-            let mut own = TaskMap::new(shape, subject);
+            let mut own = TaskMap::new(parts, shape, subject);
             network.read_map(own.scratch());
             self.map = Some(own);
         }
     }
 
-    /// Writes what the network sees of `x`.
+    /// Writes what the network sees of a trajectory.
     fn encode(
         &mut self,
         (parts, network): (&ViewParts, &WaypointNet),
         subject: Subject<'_>,
-        (x, free): (&[f32], &[bool]),
+        seen: Iterate<'_>,
         scratch: &mut WaypointScratch,
     ) {
         self.read_map(parts, network, subject);
         let stride = network.input_stride();
         let rows = scratch.input(subject.waypoints, stride);
-        self.view.encode(subject, x, free, self.map.as_ref(), rows, stride);
+        self.view.encode(subject, seen, self.map.as_ref(), rows, stride);
     }
 }
 
@@ -173,12 +173,18 @@ impl Learned {
                     } else {
                         bend(2, x, KICK, &mut self.rng);
                     }
+                    *age += 1;
+                    if parts.gradient {
+                        // Of where it was, and not of where it is now: that is for the next step.
+                        return;
+                    }
                     objective.free_segments(x, own);
-                    sights[*at].encode(policy, subject, (x, own), scratch);
+                    let seen = Iterate { x, free: own, gradient };
+                    sights[*at].encode(policy, subject, seen, scratch);
                 } else {
-                    sights[*at].encode(policy, subject, (x, free), scratch);
+                    *age += 1;
+                    sights[*at].encode(policy, subject, Iterate { x, free, gradient }, scratch);
                 }
-                *age += 1;
                 network.forward(scratch, objective.waypoints());
                 sights[*at].view.apply(rule, |i| scratch.output(i), x);
             }
@@ -201,7 +207,10 @@ impl Learned {
 
     /// Whether the policy sees the gradient of U.
     pub fn uses_gradient(&self) -> bool {
-        matches!(self.sight, Sight::Whole { .. })
+        match self.policy.network() {
+            PolicyNetwork::Whole { .. } => true,
+            PolicyNetwork::Waypoint { view, .. } => view.gradient,
+        }
     }
 
     /// Whether the policy sees which segments are free.

@@ -129,7 +129,7 @@ mod tests {
     use crate::routes::sparingly_grown;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
-    use sidestep::plane::view::{Look, Probes, WaypointView};
+    use sidestep::plane::view::{Look, ViewParts, WaypointView};
     use sidestep::policy::ActionRule;
     use sidestep::profile::Profile;
     use sidestep::rng::standard_normal;
@@ -140,7 +140,7 @@ mod tests {
     /// differences of the loss.
     #[test]
     fn slopes_are_differences_of_the_loss() {
-        let probes = Probes::named("probes:4x1").unwrap();
+        let parts = ViewParts::from_names(&["waypoints".into(), "probes:4x1".into()]).unwrap();
         let rule = ActionRule { scale: 0.4, limit: 1.6, keep_inside: true };
         let (mut close, mut all) = (0, 0);
         for index in 0..12 {
@@ -154,7 +154,7 @@ mod tests {
             let outputs: Vec<[f32; 2]> = (0..10).map(|_| standard_normal(&mut rng)).collect();
             let value = |outputs: &[[f32; 2]], slopes: &mut Vec<[f32; 2]>| {
                 let mut view =
-                    WaypointView::new(&probes, objective.plane().unwrap(), Look::default());
+                    WaypointView::new(&parts, objective.plane().unwrap(), Look::default());
                 let mut after = before.clone();
                 view.apply(&rule, |i| outputs[i], &mut after);
                 let along = view.along();

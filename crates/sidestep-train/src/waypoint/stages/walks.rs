@@ -115,7 +115,7 @@ impl Walker<'_> {
         ready.begin_map(net);
         let keeps = rng.random::<f32>() < settings.solved;
         let policy = (net, &ingredients.rule);
-        let solves = |scratch: &mut WaypointScratch| {
+        let mut solves = |scratch: &mut WaypointScratch| {
             let (view, x) = (view.clone(), x.clone());
             ready.first_free(view, x, policy, settings.steps, scratch).is_some()
         };
@@ -135,7 +135,7 @@ impl Walker<'_> {
         };
         let mut walks = vec![walk; settings.walks];
         let shapes = Shapes::new(waypoints);
-        self.go(&ready, &shapes, &mut walks, scratch, &mut rng);
+        self.go(&mut ready, &shapes, &mut walks, scratch, &mut rng);
         let score = |walk: &Walk| match walk.solved {
             Some(t) => {
                 let length = ready.objective.trajectory(&walk.x).length();
@@ -185,7 +185,7 @@ impl Walker<'_> {
     /// Walks until free, or all steps.
     fn go(
         &self,
-        ready: &Ready,
+        ready: &mut Ready,
         shapes: &Shapes,
         walks: &mut [Walk],
         scratch: &mut WaypointScratch,

@@ -12,6 +12,8 @@
 use super::bilinear::{Corners, bilinear};
 use super::coarse;
 use super::look::{Axes, Look};
+use super::parts::ViewParts;
+use super::picture::Picture;
 use super::ways::{WAYS, Ways};
 use std::sync::Arc;
 
@@ -46,14 +48,16 @@ pub struct TaskMap {
     cell: f32,
     cells: usize,
     channels: usize,
-    ways: Arc<Ways>,
+    /// The ways round obstacles, which a picture does not tell.
+    ways: Option<Arc<Ways>>,
+    picture: Option<Arc<Picture>>,
     backwards: bool,
     scratch: MapScratch,
 }
 
 impl TaskMap {
     /// The map of the subject's task; its features are not there until the network has read it.
-    pub fn new(shape: &MapShape, subject: Subject<'_>) -> Self {
+    pub fn new(parts: &ViewParts, shape: &MapShape, subject: Subject<'_>) -> Self {
         let axes = Axes::new(subject, Look::default());
         let length = axes.length;
         let cells = shape.cells;
@@ -65,7 +69,8 @@ impl TaskMap {
             cell,
             cells,
             channels: shape.channels,
-            ways: Arc::new(Ways::new(subject)),
+            ways: parts.picture.is_none().then(|| Arc::new(Ways::new(subject))),
+            picture: parts.picture.map(|pixels| Arc::new(Picture::draw(subject.scene, pixels))),
             backwards: false,
             scratch: MapScratch::new(shape),
         };
@@ -102,7 +107,10 @@ impl TaskMap {
                 y[j * side + i] = start[1] + p[1];
             }
         }
-        field.probe_all(&x, &y, &mut distance);
+        match &self.picture {
+            Some(picture) => picture.probe(&x, &y, &mut distance),
+            None => field.probe_all(&x, &y, &mut distance),
+        }
         let near = |middle: [f32; 2], end: f32| {
             let away = (middle[0] - end).hypot(middle[1]) / (1.5 * self.cell);
             (1.0 - away).max(0.0)
@@ -118,14 +126,17 @@ impl TaskMap {
                 [self.first[0] + i as f32 * self.cell, self.first[1] + j as f32 * self.cell];
             let p = axes.turn(middle);
             let at = [start[0] + p[0], start[1] + p[1]];
-            let [detour, along] = self.ways.read(at, self.backwards);
+            let ([detour, along], longer) = match &self.ways {
+                Some(ways) => (ways.read(at, self.backwards), ways.longer()),
+                None => ([0.0; WAYS], 0.0),
+            };
             row[POINTS * POINTS..MAP_INPUTS].copy_from_slice(&[
                 near(middle, 0.0),
                 near(middle, length),
                 2.0 * self.cell,
                 detour,
                 along,
-                self.ways.longer(),
+                longer,
             ]);
         }
     }
@@ -133,13 +144,14 @@ impl TaskMap {
     /// Writes what waypoint `i` at `p` reads: features `[PLACES x channels]`, ways `[PLACES x WAYS]` and the offset to the shortest way.
     pub(super) fn read(&self, i: usize, p: [f32; 2], out: &mut [f32]) {
         self.read_features(p, out);
+        let Some(own) = &self.ways else { return };
         let (ways, offset) = out[PLACES * self.channels..].split_at_mut(PLACES * WAYS);
         for (offset, out) in OFFSETS.iter().zip(ways.chunks_exact_mut(WAYS)) {
             let around = self.axes.turn(*offset);
             let at = [p[0] + around[0], p[1] + around[1]];
-            out.copy_from_slice(&self.ways.read(at, self.backwards));
+            out.copy_from_slice(&own.read(at, self.backwards));
         }
-        let route = self.ways.route();
+        let route = own.route();
         let wish = route[if self.backwards { route.len() - 1 - i } else { i }];
         let away = [WISH * (wish[0] - p[0]), WISH * (wish[1] - p[1])];
         offset[..2].copy_from_slice(&self.axes.back(away));

@@ -13,14 +13,21 @@
 //! | 1, 1, 2 | signed distance at the waypoint: coarse (clamped to 1.2, /0.6), fine (clamped to 0.15, /0.15); its gradient |
 //! | 8, 8 | of the segment before, and of the one after: coarse distance at 3 of 7 points; the least of the 7 fine, its gradient and its place on the segment (0 to 1); whether it is free by the certificate |
 //! | R x K | coarse distance at K directions on each of R circles around the waypoint |
+//! | 2 | of a view with the gradient of U, that downhill (x2) |
 //! | 5 x (C + 2), 2 | of a view with a map ([`TaskMap`]), its features at the waypoint and around it, then the detour through there and how far along it is; offset to the shortest way (x0.6) |
+//!
+//! A view of a picture ([`Picture`]) has shades of its pixels where another has distances, and is told no ways; whether
+//! a segment is free it judges by shades.
 
 mod bilinear;
 mod look;
 mod map;
 mod parts;
+mod picture;
 mod sweeps;
 mod ways;
+
+use std::sync::Arc;
 
 use crate::kernels::{Isa, dispatch};
 use crate::plane::Subject;
@@ -31,6 +38,7 @@ use look::Axes;
 pub use look::Look;
 pub use map::TaskMap;
 pub use parts::{PART, Probes, ViewParts};
+pub use picture::Picture;
 
 /// Numbers of a row besides the probes.
 const OWN: usize = 36;
@@ -40,6 +48,44 @@ const ON_SEGMENT: usize = 7;
 const COARSE: f32 = 1.2;
 /// Fine distances are clamped to this.
 const FINE: f32 = 0.15;
+/// Gradients are multiplied by this.
+const GRADIENT: f32 = 2.0;
+
+/// A trajectory as a view is shown it.
+#[derive(Debug, Clone, Copy)]
+pub struct Iterate<'a> {
+    /// The waypoints `[N x 2]`, in normalised units.
+    pub x: &'a [f32],
+    /// Which segments are certified, `[N + 1]`.
+    pub free: &'a [bool],
+    /// The gradient of U, `[N x 2]`; read only where the view has that part.
+    pub gradient: &'a [f32],
+}
+
+/// What is measured: distances, or the shades of a picture.
+#[derive(Clone, Copy)]
+enum Seen<'a> {
+    Field(&'a Field),
+    Picture(&'a Picture),
+}
+
+impl Seen<'_> {
+    #[inline(always)]
+    fn probe(self, x: &[f32], y: &[f32], out: &mut [f32]) {
+        match self {
+            Self::Field(field) => field.probe(x, y, out),
+            Self::Picture(picture) => picture.probe(x, y, out),
+        }
+    }
+
+    #[inline(always)]
+    fn sample(self, x: &[f32], y: &[f32], points: usize, out: &mut Samples<'_>) {
+        match self {
+            Self::Field(field) => field.sample(x, y, points, out),
+            Self::Picture(picture) => picture.sample(x, y, out),
+        }
+    }
+}
 
 /// The view of one trajectory of one task, with what it remembers from earlier steps.
 #[derive(Debug, Clone)]
@@ -56,6 +102,10 @@ pub struct WaypointView {
     age: u32,
     is_bent: bool,
     buffers: Buffers,
+    /// What is seen in place of distances.
+    picture: Option<Arc<Picture>>,
+    /// Whether the gradient of U is seen.
+    gradient: bool,
     isa: Isa,
 }
 
@@ -83,9 +133,23 @@ struct Buffers {
     probe: Vec<f32>,
 }
 
+impl Buffers {
+    /// A segment is taken for free where all of its points and both ends are lighter than grey.
+    fn judge_by_shades(&mut self) {
+        let waypoints = self.points.len();
+        for (index, free) in self.free.iter_mut().enumerate() {
+            let is_light = |i: usize| self.distance[i] > 0.0;
+            let ends =
+                (index == 0 || is_light(index - 1)) && (index == waypoints || is_light(index));
+            *free = ends && is_light(waypoints + index);
+        }
+    }
+}
+
 impl WaypointView {
     /// A view of the trajectories of `subject`.
-    pub fn new(probes: &Probes, subject: Subject<'_>, look: Look) -> Self {
+    pub fn new(parts: &ViewParts, subject: Subject<'_>, look: Look) -> Self {
+        let probes = &parts.probes;
         let waypoints = subject.waypoints;
         let axes = Axes::new(subject, look);
         let start = axes.start;
@@ -126,6 +190,8 @@ impl WaypointView {
                 probe_y: vec![start[1]; probed],
                 probe: vec![0.0; probed],
             },
+            picture: parts.picture.map(|pixels| Arc::new(Picture::draw(scene, pixels))),
+            gradient: parts.gradient,
             isa: Isa::detect(),
         }
     }
@@ -136,14 +202,12 @@ impl WaypointView {
         self.age = 0;
     }
 
-    /// Writes the rows of the waypoints `x [N x 2]` to `out [N x stride]`, in the order of the look, `stride` at least the row's
-    /// length; `free [N + 1]` says which segments are certified, and `map` is the task's of the same look, read by the network,
-    /// where the view has one.
+    /// Writes the rows of a trajectory's waypoints to `out [N x stride]`, in the order of the look, `stride` at least the row's
+    /// length; `map` is the task's of the same look, read by the network, where the view has one.
     pub fn encode(
         &mut self,
         subject: Subject<'_>,
-        x: &[f32],
-        free: &[bool],
+        Iterate { x, free, gradient }: Iterate<'_>,
         map: Option<&TaskMap>,
         out: &mut [f32],
         stride: usize,
@@ -157,10 +221,16 @@ impl WaypointView {
         if self.age == 0 {
             self.is_bent = self.bends();
         }
-        let blocked = free.iter().filter(|free| !**free).count();
-        let field = subject.scene.exact_field();
         let Axes { start, goal, length, .. } = self.axes;
-        measure(self.isa, field, &mut self.buffers, &self.offsets, start, goal);
+        let seen = match &self.picture {
+            Some(picture) => Seen::Picture(picture),
+            None => Seen::Field(subject.scene.exact_field()),
+        };
+        measure(self.isa, seen, &mut self.buffers, &self.offsets, start, goal);
+        if self.picture.is_some() {
+            self.buffers.judge_by_shades();
+        }
+        let blocked = self.buffers.free.iter().filter(|free| !**free).count();
         let shared = [
             length / 3.2,
             (self.waypoints + 1) as f32 / 11.0,
@@ -169,7 +239,14 @@ impl WaypointView {
             blocked as f32 / (self.waypoints + 1) as f32,
         ];
         for (i, row) in out.chunks_exact_mut(stride).take(self.waypoints).enumerate() {
-            let rest = self.write_row(i, &shared, row);
+            let mut rest = self.write_row(i, &shared, row);
+            if self.gradient {
+                let place = if self.look.backwards { self.waypoints - 1 - i } else { i };
+                let (head, tail) = rest.split_at_mut(2);
+                let slope = gradient.as_chunks::<2>().0[place];
+                head.copy_from_slice(&self.axes.back(slope.map(|s| -GRADIENT * s)));
+                rest = tail;
+            }
             rest.fill(0.0);
             if let Some(map) = map {
                 map.read(i, self.buffers.points[i], rest);
@@ -177,7 +254,7 @@ impl WaypointView {
         }
     }
 
-    /// Writes all but the map's features, and returns what is left of the row.
+    /// Writes all but the gradient and the map's features, and returns what is left of the row.
     fn write_row<'a>(&self, i: usize, shared: &[f32; 5], row: &'a mut [f32]) -> &'a mut [f32] {
         let (points, axes) = (&self.buffers.points, &self.axes);
         let before = if i > 0 { points[i - 1] } else { axes.start };
@@ -277,7 +354,7 @@ fn fine(distance: f32) -> f32 {
 dispatch! {
     /// Fills distances and gradients of waypoints and points on segments, and the distances of the probes.
     fn measure(
-        field: &Field,
+        seen: Seen<'_>,
         buffers: &mut Buffers,
         offsets: &[[f32; 2]],
         start: [f32; 2],
@@ -288,7 +365,7 @@ dispatch! {
 // The same plain arithmetic on every instruction set, so the same bits.
 #[inline(always)]
 fn measure_body<const ISA: u8>(
-    field: &Field,
+    seen: Seen<'_>,
     buffers: &mut Buffers,
     offsets: &[[f32; 2]],
     start: [f32; 2],
@@ -320,7 +397,7 @@ fn measure_body<const ISA: u8>(
         }
         from = to;
     }
-    field.probe(segment_x, segment_y, segment);
+    seen.probe(segment_x, segment_y, segment);
     let lines = segment.as_chunks::<ON_SEGMENT>().0.iter();
     for (index, (least, distances)) in least.iter_mut().zip(lines).enumerate() {
         // Without branches, which nothing could predict.
@@ -344,8 +421,8 @@ fn measure_body<const ISA: u8>(
         }
     }
     let mut samples = Samples { distance: waypoint_distance, gradient_x, gradient_y };
-    field.sample(x, y, 2 * points.len() + 1, &mut samples);
-    field.probe(probe_x, probe_y, probe);
+    seen.sample(x, y, 2 * points.len() + 1, &mut samples);
+    seen.probe(probe_x, probe_y, probe);
 }
 
 #[cfg(test)]

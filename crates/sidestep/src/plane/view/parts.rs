@@ -1,4 +1,4 @@
-//! The parts of a waypoint view by name: `waypoints`, `probes:..` and, if wanted, `map:..`.
+//! The parts of a waypoint view by name: `waypoints` or `picture:..`, `probes:..` and, if wanted, `map:..` and `gradient`.
 
 use super::OWN;
 use super::map::read_len;
@@ -8,12 +8,22 @@ use crate::network::MapShape;
 /// Most probes of a waypoint.
 const MAX_PROBES: usize = 1024;
 
-/// Name of the part of the observation that every view has.
+/// Name of the part of the observation that every view of distances has.
 pub const PART: &str = "waypoints";
+/// What the name of that part begins with where a picture is all that is seen, as in `picture:64`.
+const PICTURE: &str = "picture:";
+/// Name of the part that adds the gradient of U.
+const GRADIENT: &str = "gradient";
+/// Least and most pixels along a side of a picture; a multiple of 16.
+const PIXELS: std::ops::RangeInclusive<usize> = 32..=256;
 
 /// What a view is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewParts {
+    /// Pixels along a side of the picture that is seen in place of distances, if any.
+    pub picture: Option<usize>,
+    /// Whether the gradient of U is seen.
+    pub gradient: bool,
     /// Distances around each waypoint.
     pub probes: Probes,
     /// The map of the task, where the view has one.
@@ -30,29 +40,52 @@ pub struct Probes {
 }
 
 impl ViewParts {
-    /// The view of an observation: the parts [`PART`], `probes:..` and perhaps `map:..`, in that order.
+    /// The view of an observation: the parts [`PART`] or `picture:..`, `probes:..` and perhaps `map:..` and
+    /// `gradient`, in that order.
     ///
     /// # Errors
     /// If the parts are others, or one is out of range.
     pub fn from_names(parts: &[String]) -> Result<Self, InvalidInput> {
-        match parts {
-            [first, probes] if first == PART => {
-                Ok(Self { probes: Probes::named(probes)?, map: None })
+        let refuse = || {
+            let allowed = format!(
+                "{PART} or {PICTURE}P (P pixels, a multiple of 16 from {} to {}), then \
+                 probes:KxR1,R2,.. and perhaps map:GxCxD1,D2,.. and {GRADIENT}",
+                PIXELS.start(),
+                PIXELS.end()
+            );
+            InvalidInput::new("observation", parts.join(", "), allowed)
+        };
+        let [first, probes, rest @ ..] = parts else { return Err(refuse()) };
+        let picture = match first.strip_prefix(PICTURE) {
+            Some(pixels) => {
+                let pixels = pixels.parse().ok().filter(|p| PIXELS.contains(p) && p % 16 == 0);
+                Some(pixels.ok_or_else(refuse)?)
             }
-            [first, probes, map] if first == PART => {
-                Ok(Self { probes: Probes::named(probes)?, map: Some(map_named(map)?) })
-            }
-            _ => {
-                let allowed =
-                    format!("{PART}, then probes:KxR1,R2,.. and perhaps map:GxCxD1,D2,..");
-                Err(InvalidInput::new("observation", parts.join(", "), allowed))
-            }
-        }
+            None if first == PART => None,
+            None => return Err(refuse()),
+        };
+        let (rest, gradient) = match rest {
+            [rest @ .., last] if last == GRADIENT => (rest, true),
+            _ => (rest, false),
+        };
+        let map = match rest {
+            [] => None,
+            [map] => Some(map_named(map)?),
+            _ => return Err(refuse()),
+        };
+        Ok(Self { picture, gradient, probes: Probes::named(probes)?, map })
+    }
+
+    /// Whether the parts are those of a view of waypoints, by their first.
+    pub fn are_named(parts: &[String]) -> bool {
+        parts.first().is_some_and(|first| first == PART || first.starts_with(PICTURE))
     }
 
     /// Numbers of a view's row.
     pub fn row_len(&self) -> usize {
-        OWN + self.probes.count() + self.map.as_ref().map_or(0, |map| read_len(map.channels))
+        let gradient = if self.gradient { 2 } else { 0 };
+        let map = self.map.as_ref().map_or(0, |map| read_len(map.channels));
+        OWN + gradient + self.probes.count() + map
     }
 }
 

@@ -14,8 +14,17 @@ fn probes() -> Probes {
     Probes::named("probes:8x0.5,2").unwrap()
 }
 
+fn parts(names: &[&str]) -> Result<ViewParts, crate::error::InvalidInput> {
+    ViewParts::from_names(&names.iter().map(|n| (*n).to_string()).collect::<Vec<_>>())
+}
+
+/// A view of these probes and nothing else.
+fn plain(probes: &Probes) -> ViewParts {
+    parts(&["waypoints", &probes.name()]).unwrap()
+}
+
 fn row_len(probes: &Probes) -> usize {
-    ViewParts { probes: probes.clone(), map: None }.row_len()
+    plain(probes).row_len()
 }
 
 fn objective(task: &Task, profile: &Profile) -> Objective {
@@ -62,15 +71,14 @@ fn a_turned_world_looks_the_same() {
         for task in [task.clone(), turned(&task)] {
             let objective = objective(&task, &Profile::DEFAULT);
             let mut view =
-                WaypointView::new(&probes(), objective.plane().unwrap(), Look::default());
+                WaypointView::new(&plain(&probes()), objective.plane().unwrap(), Look::default());
             let mut x = vec![0.0; 14];
             objective.straight_line(&mut x);
             let stride = row_len(&probes()) + 3;
             let mut rows = vec![9.0; 7 * stride];
             view.encode(
                 objective.plane().unwrap(),
-                &x,
-                &free(&objective, &x),
+                Iterate { x: &x, free: &free(&objective, &x), gradient: &[] },
                 None,
                 &mut rows,
                 stride,
@@ -78,8 +86,7 @@ fn a_turned_world_looks_the_same() {
             view.apply(&ActionRule::PAPER, |i| [0.1 * i as f32, 0.3], &mut x);
             view.encode(
                 objective.plane().unwrap(),
-                &x,
-                &free(&objective, &x),
+                Iterate { x: &x, free: &free(&objective, &x), gradient: &[] },
                 None,
                 &mut rows,
                 stride,
@@ -99,8 +106,8 @@ fn look_at(task: &Task, look: Look) -> Vec<f32> {
     let names = ["waypoints", "probes:8x0.5,2", "map:6x16x1"].map(String::from);
     let parts = ViewParts::from_names(&names).unwrap();
     let objective = objective(task, &Profile::DEFAULT);
-    let mut view = WaypointView::new(&parts.probes, objective.plane().unwrap(), look);
-    let map = TaskMap::new(parts.map.as_ref().unwrap(), objective.plane().unwrap())
+    let mut view = WaypointView::new(&parts, objective.plane().unwrap(), look);
+    let map = TaskMap::new(&parts, parts.map.as_ref().unwrap(), objective.plane().unwrap())
         .other(objective.plane().unwrap(), look);
     let mut x = vec![0.0; 14];
     objective.straight_line(&mut x);
@@ -108,8 +115,7 @@ fn look_at(task: &Task, look: Look) -> Vec<f32> {
     for _ in 0..2 {
         view.encode(
             objective.plane().unwrap(),
-            &x,
-            &free(&objective, &x),
+            Iterate { x: &x, free: &free(&objective, &x), gradient: &[] },
             Some(&map),
             &mut rows,
             parts.row_len(),
@@ -154,10 +160,9 @@ fn both_profiles_look_the_same() {
         objective.straight_line(&mut x);
         let stride = row_len(&probes());
         let mut rows = vec![0.0; 7 * stride];
-        WaypointView::new(&probes(), objective.plane().unwrap(), Look::default()).encode(
+        WaypointView::new(&plain(&probes()), objective.plane().unwrap(), Look::default()).encode(
             objective.plane().unwrap(),
-            &x,
-            &free(&objective, &x),
+            Iterate { x: &x, free: &free(&objective, &x), gradient: &[] },
             None,
             &mut rows,
             stride,
@@ -177,13 +182,12 @@ fn rows_hold_what_the_table_says() {
     let task = Task::in_plane("", world, crate::Robot::Point, [16.0, 32.0], [48.0, 32.0]).unwrap();
     let objective = Objective::new(&Query::of(&task, &Profile::DEFAULT), 1).unwrap();
     let probes = Probes::named("probes:4x1").unwrap();
-    let mut view = WaypointView::new(&probes, objective.plane().unwrap(), Look::default());
+    let mut view = WaypointView::new(&plain(&probes), objective.plane().unwrap(), Look::default());
     let mut row = vec![0.0; row_len(&probes)];
     // The one waypoint is at (24, 32): 0.6 from the rectangle, which blocks the segment after it.
     view.encode(
         objective.plane().unwrap(),
-        &[2.4, 3.2],
-        &[true, false],
+        Iterate { x: &[2.4, 3.2], free: &[true, false], gradient: &[] },
         None,
         &mut row,
         row_len(&probes),
@@ -242,6 +246,83 @@ fn names_of_probes_are_checked() {
     assert!(parts(&["gradient", "probes:4x1"]).is_err());
 }
 
+#[test]
+fn a_picture_and_a_gradient_are_parts_by_name() {
+    let seen = parts(&["picture:64", "probes:4x1", "map:6x16x1", "gradient"]).unwrap();
+    assert_eq!((seen.picture, seen.gradient), (Some(64), true));
+    let without = parts(&["waypoints", "probes:4x1", "map:6x16x1"]).unwrap();
+    assert_eq!(seen.row_len(), without.row_len() + 2);
+    for names in [
+        &["picture:0", "probes:4x1"][..],
+        &["picture:65", "probes:4x1"],
+        &["picture:4096", "probes:4x1"],
+        &["picture:", "probes:4x1"],
+        &["waypoints", "probes:4x1", "gradient", "map:6x16x1"],
+        &["waypoints", "probes:4x1", "gradient", "gradient"],
+    ] {
+        assert_eq!(parts(names).unwrap_err().field, "observation", "{names:?}");
+    }
+}
+
+/// A straight line through a field with these obstacles, as a view of these parts sees it; and its gradient.
+fn seen(names: &[&str], obstacles: Vec<Obstacle>, look: Look) -> (Vec<f32>, Vec<f32>) {
+    let parts = parts(names).unwrap();
+    let field = Rect::new([0.0; 2], [64.0; 2]).unwrap();
+    let world = Arc::new(World::new(field, obstacles, None));
+    let setting = Setting::Plane { world, robot: crate::plane::Robot::Point };
+    let task = Task::new("", setting, vec![5.0, 9.0], vec![50.0, 8.0]).unwrap();
+    let mut objective = objective(&task, &Profile::DEFAULT);
+    let mut view = WaypointView::new(&parts, objective.plane().unwrap(), look);
+    let map = parts.map.as_ref().map(|shape| {
+        let subject = objective.plane().unwrap();
+        TaskMap::new(&parts, shape, subject).other(subject, look)
+    });
+    let mut x = vec![0.0; 14];
+    objective.straight_line(&mut x);
+    let mut gradient = vec![0.0; 14];
+    objective.cost_and_gradient(&x, &mut gradient);
+    let free = free(&objective, &x);
+    let mut rows = vec![0.0; 7 * parts.row_len()];
+    let iterate = Iterate { x: &x, free: &free, gradient: &gradient };
+    let subject = objective.plane().unwrap();
+    view.encode(subject, iterate, map.as_ref(), &mut rows, parts.row_len());
+    (rows, gradient)
+}
+
+fn wall(right: f64) -> Obstacle {
+    Obstacle::Rect(Rect::new([20.0, 0.0], [right, 40.0]).unwrap())
+}
+
+/// Who sees a picture sees nothing that the picture does not show: two worlds of the same picture look the same.
+#[test]
+fn a_picture_is_all_that_is_seen_of_the_world() {
+    let names = ["picture:32", "probes:8x0.5,2", "map:6x16x1"];
+    let rows = |obstacles| seen(&names, obstacles, Look::default()).0;
+    // A hair that no pixel shows.
+    let hair = Obstacle::Rect(Rect::new([41.5, 41.5], [41.5001, 41.5001]).unwrap());
+    assert_eq!(rows(vec![wall(30.0), hair]), rows(vec![wall(30.0)]));
+    assert_ne!(rows(vec![wall(31.0)]), rows(vec![wall(30.0)]));
+    // The share of segments that are not free, by shades.
+    assert!(rows(vec![wall(30.0)])[14] > 0.0);
+    assert!(rows(vec![])[14].abs() < 1e-9);
+}
+
+#[test]
+fn a_view_with_the_gradient_shows_it_along_and_across_whatever_the_look() {
+    for look in Look::ALL {
+        let names = ["waypoints", "probes:4x1", "gradient"];
+        let (rows, gradient) = seen(&names, vec![wall(30.0)], look);
+        let stride = rows.len() / 7;
+        for (i, row) in rows.chunks_exact(stride).enumerate() {
+            let place = if look.backwards { 6 - i } else { i };
+            let size = gradient[2 * place].hypot(gradient[2 * place + 1]);
+            let [along, across] = [row[stride - 2], row[stride - 1]];
+            assert!((along.hypot(across) - 2.0 * size).abs() < 1e-5);
+        }
+        assert!(gradient.iter().any(|slope| slope.abs() > 1e-3));
+    }
+}
+
 /// A loss of the network's outputs, its gradient through rows and map against differences.
 #[test]
 fn gradients_flow_through_the_map() {
@@ -261,17 +342,15 @@ fn gradients_flow_through_the_map() {
     let objective = objective(&task, &Profile::DEFAULT);
     let mut x = vec![0.0; 14];
     objective.straight_line(&mut x);
-    let mut map = TaskMap::new(parts.map.as_ref().unwrap(), objective.plane().unwrap());
+    let mut map = TaskMap::new(&parts, parts.map.as_ref().unwrap(), objective.plane().unwrap());
     let mut scratch = WaypointScratch::default();
     let stride = net.input_stride();
     let loss = |net: &WaypointNet, map: &mut TaskMap, scratch: &mut WaypointScratch| {
         net.read_map(map.scratch());
-        let mut view =
-            WaypointView::new(&parts.probes, objective.plane().unwrap(), Look::default());
+        let mut view = WaypointView::new(&parts, objective.plane().unwrap(), Look::default());
         view.encode(
             objective.plane().unwrap(),
-            &x,
-            &free(&objective, &x),
+            Iterate { x: &x, free: &free(&objective, &x), gradient: &[] },
             Some(map),
             scratch.input(7, stride),
             stride,
