@@ -24,7 +24,8 @@ pub struct WaypointConfig {
     pub architecture: String,
     /// Seed of parameters, noise and the tasks' order.
     pub seed: u64,
-    /// The view's parts: `waypoints`, then `probes:KxR1,R2,..`, then perhaps `map:GxCxD1,D2,..`.
+    /// The view's parts: `waypoints` or `picture:P` (pixels along a side), then `probes:KxR1,R2,..`, then perhaps
+    /// `map:GxCxD1,D2,..`, then perhaps `gradient`.
     pub observation: Vec<String>,
     /// The network.
     pub network: WaypointNetworkConfig,

@@ -154,7 +154,7 @@ fn a_waypoint_policy_comes_back_and_others_are_refused() {
     changed(&|d| d["observation"] = parts("map:5x16x1,5"), &["map:5x16x1,5", "below the cells"]);
     changed(&|d| d["observation"] = parts("map:5x16"), &["map:GxCxD1,D2"]);
     changed(&|d| d["observation"] = parts("map:6x16x1"), &["layers"]);
-    changed(&|d| d["observation"] = parts("gradient"), &["observation: gradient", "map:"]);
+    changed(&|d| d["observation"] = parts("gradent"), &["observation: gradent", "map:"]);
     changed(&|d| d["sizes"][0] = 129.into(), &["policy.sizes", "132, width"]);
     changed(&|d| d["sizes"][1] = 17.into(), &["network.width: 17"]);
     changed(&|d| d["sizes"][1] = (1_u64 << 40).into(), &["network.width"]);

@@ -22,6 +22,7 @@
 mod bilinear;
 mod look;
 mod map;
+mod measure;
 mod parts;
 mod picture;
 mod sweeps;
@@ -29,11 +30,12 @@ mod ways;
 
 use std::sync::Arc;
 
-use crate::kernels::{Isa, dispatch};
+use crate::kernels::Isa;
 use crate::plane::Subject;
-use crate::plane::distance::{Field, LANES, Samples};
+use crate::plane::distance::LANES;
 use crate::trajectory::ActionRule;
 use look::Axes;
+use measure::{Buffers, ON_SEGMENT, Seen, measure};
 
 pub use look::Look;
 pub use map::TaskMap;
@@ -42,8 +44,6 @@ pub use picture::Picture;
 
 /// Numbers of a row besides the probes.
 const OWN: usize = 36;
-/// Points on each segment.
-const ON_SEGMENT: usize = 7;
 /// Coarse distances are clamped to this, and halved.
 const COARSE: f32 = 1.2;
 /// Fine distances are clamped to this.
@@ -60,31 +60,6 @@ pub struct Iterate<'a> {
     pub free: &'a [bool],
     /// The gradient of U, `[N x 2]`; read only where the view has that part.
     pub gradient: &'a [f32],
-}
-
-/// What is measured: distances, or the shades of a picture.
-#[derive(Clone, Copy)]
-enum Seen<'a> {
-    Field(&'a Field),
-    Picture(&'a Picture),
-}
-
-impl Seen<'_> {
-    #[inline(always)]
-    fn probe(self, x: &[f32], y: &[f32], out: &mut [f32]) {
-        match self {
-            Self::Field(field) => field.probe(x, y, out),
-            Self::Picture(picture) => picture.probe(x, y, out),
-        }
-    }
-
-    #[inline(always)]
-    fn sample(self, x: &[f32], y: &[f32], points: usize, out: &mut Samples<'_>) {
-        match self {
-            Self::Field(field) => field.sample(x, y, points, out),
-            Self::Picture(picture) => picture.sample(x, y, out),
-        }
-    }
 }
 
 /// The view of one trajectory of one task, with what it remembers from earlier steps.
@@ -107,43 +82,6 @@ pub struct WaypointView {
     /// Whether the gradient of U is seen.
     gradient: bool,
     isa: Isa,
-}
-
-#[derive(Debug, Clone)]
-struct Buffers {
-    /// Waypoints in the order of the look.
-    points: Vec<[f32; 2]>,
-    /// Waypoints, then the point of each segment that is nearest to an obstacle, or deepest in one.
-    x: Vec<f32>,
-    y: Vec<f32>,
-    distance: Vec<f32>,
-    gradient_x: Vec<f32>,
-    gradient_y: Vec<f32>,
-    /// Per segment, which of its points that is.
-    least: Vec<usize>,
-    /// Per segment, whether it is free.
-    free: Vec<bool>,
-    /// [`ON_SEGMENT`] points of each segment.
-    segment_x: Vec<f32>,
-    segment_y: Vec<f32>,
-    segment: Vec<f32>,
-    /// Probes of all waypoints.
-    probe_x: Vec<f32>,
-    probe_y: Vec<f32>,
-    probe: Vec<f32>,
-}
-
-impl Buffers {
-    /// A segment is taken for free where all of its points and both ends are lighter than grey.
-    fn judge_by_shades(&mut self) {
-        let waypoints = self.points.len();
-        for (index, free) in self.free.iter_mut().enumerate() {
-            let is_light = |i: usize| self.distance[i] > 0.0;
-            let ends =
-                (index == 0 || is_light(index - 1)) && (index == waypoints || is_light(index));
-            *free = ends && is_light(waypoints + index);
-        }
-    }
 }
 
 impl WaypointView {
@@ -349,80 +287,6 @@ fn coarse(distance: f32) -> f32 {
 
 fn fine(distance: f32) -> f32 {
     distance.clamp(-FINE, FINE) / FINE
-}
-
-dispatch! {
-    /// Fills distances and gradients of waypoints and points on segments, and the distances of the probes.
-    fn measure(
-        seen: Seen<'_>,
-        buffers: &mut Buffers,
-        offsets: &[[f32; 2]],
-        start: [f32; 2],
-        goal: [f32; 2],
-    ) = measure_body;
-}
-
-// The same plain arithmetic on every instruction set, so the same bits.
-#[inline(always)]
-fn measure_body<const ISA: u8>(
-    seen: Seen<'_>,
-    buffers: &mut Buffers,
-    offsets: &[[f32; 2]],
-    start: [f32; 2],
-    goal: [f32; 2],
-) {
-    let Buffers {
-        points,
-        x,
-        y,
-        distance: waypoint_distance,
-        gradient_x,
-        gradient_y,
-        least,
-        segment_x,
-        segment_y,
-        segment,
-        probe_x,
-        probe_y,
-        probe,
-        ..
-    } = buffers;
-    let mut from = start;
-    let lines = segment_x.chunks_exact_mut(ON_SEGMENT).zip(segment_y.chunks_exact_mut(ON_SEGMENT));
-    for ((x, y), &to) in lines.zip(points.iter().chain([&goal])) {
-        for k in 0..ON_SEGMENT {
-            let t = (k + 1) as f32 / (ON_SEGMENT + 1) as f32;
-            x[k] = from[0] + t * (to[0] - from[0]);
-            y[k] = from[1] + t * (to[1] - from[1]);
-        }
-        from = to;
-    }
-    seen.probe(segment_x, segment_y, segment);
-    let lines = segment.as_chunks::<ON_SEGMENT>().0.iter();
-    for (index, (least, distances)) in least.iter_mut().zip(lines).enumerate() {
-        // Without branches, which nothing could predict.
-        let (mut place, mut distance) = (0, distances[0]);
-        for (k, &other) in distances.iter().enumerate().skip(1) {
-            let nearer = other < distance;
-            distance = if nearer { other } else { distance };
-            place = std::hint::select_unpredictable(nearer, k, place);
-        }
-        *least = place;
-        let (at, first) = (points.len() + index, ON_SEGMENT * index);
-        (x[at], y[at]) = (segment_x[first + place], segment_y[first + place]);
-    }
-    let probes = offsets.len();
-    for (i, p) in points.iter().enumerate() {
-        (x[i], y[i]) = (p[0], p[1]);
-        let (px, py) = (&mut probe_x[i * probes..][..probes], &mut probe_y[i * probes..][..probes]);
-        for ((px, py), offset) in px.iter_mut().zip(py).zip(offsets) {
-            *px = p[0] + offset[0];
-            *py = p[1] + offset[1];
-        }
-    }
-    let mut samples = Samples { distance: waypoint_distance, gradient_x, gradient_y };
-    seen.sample(x, y, 2 * points.len() + 1, &mut samples);
-    seen.probe(probe_x, probe_y, probe);
 }
 
 #[cfg(test)]
