@@ -4,7 +4,7 @@
 //! t = clamp(ε - D, 0, ε)      c = t² / 2ε + max(-D, 0)      c' = -t / ε
 //! ```
 
-use super::LANES;
+use super::{LANES, least, most};
 
 /// Configurations in lanes with what they cost: coordinate k of configuration j lies at `k * padded + j`, in normalised units.
 #[derive(Debug, Clone)]
@@ -60,13 +60,13 @@ impl Block {
 /// c at a distance.
 #[inline(always)]
 pub(crate) fn cost(epsilon: f32, distance: f32) -> f32 {
-    let t = (epsilon - distance).max(0.0).min(epsilon);
-    0.5 * (1.0 / epsilon) * t * t + (-distance).max(0.0)
+    let t = least(most(epsilon - distance, 0.0), epsilon);
+    0.5 * (1.0 / epsilon) * t * t + most(-distance, 0.0)
 }
 
 /// c' at a distance.
 #[inline(always)]
 pub(crate) fn slope(epsilon: f32, distance: f32) -> f32 {
-    let t = (epsilon - distance).max(0.0).min(epsilon);
+    let t = least(most(epsilon - distance, 0.0), epsilon);
     -t * (1.0 / epsilon)
 }

@@ -175,18 +175,29 @@ impl PlaneScene {
         goal: Point,
         free: Option<&mut [bool]>,
     ) -> bool {
-        let mut from = start;
-        let inner = x.as_chunks::<2>().0.iter().map(|&p| self.frame.to_task(p));
-        let mut segments = inner.chain([goal]).map(|to| {
-            let is_free = self.certifier.segment_is_free(from, to);
-            from = to;
-            is_free
-        });
-        let Some(free) = free else { return segments.all(|is_free| is_free) };
-        free.iter_mut().zip(segments).fold(true, |all, (free, is_free)| {
-            *free = is_free;
-            all && is_free
-        })
+        let (mut from, mut all) = (start, true);
+        let waypoints = x.as_chunks::<2>().0;
+        let to = |segment: usize| waypoints.get(segment).map_or(goal, |p| self.frame.to_task(*p));
+        match free {
+            Some(free) => {
+                for (segment, free) in free.iter_mut().enumerate() {
+                    let to = to(segment);
+                    *free = self.certifier.segment_is_free(from, to);
+                    all &= *free;
+                    from = to;
+                }
+            }
+            None => {
+                for segment in 0..=waypoints.len() {
+                    let to = to(segment);
+                    if !self.certifier.segment_is_free(from, to) {
+                        return false;
+                    }
+                    from = to;
+                }
+            }
+        }
+        all
     }
 
     /// Obstacle costs c(D) of the points of a block, and their weighted slopes where asked for.

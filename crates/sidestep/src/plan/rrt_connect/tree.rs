@@ -6,7 +6,7 @@ use super::lanes::Lanes;
 
 /// Up to this many nodes, all are compared.
 const MOST_WITHOUT_BUCKETS: usize = 256;
-/// Buckets along each axis.
+/// Buckets along each axis: as many as a `u64` has bits.
 const PER_AXIS: usize = 64;
 /// No node.
 const NONE: u32 = u32::MAX;
@@ -25,6 +25,9 @@ pub(super) struct Tree {
     sides: [f64; 2],
     /// The last node of each bucket; empty while there are few nodes.
     heads: Vec<u32>,
+    /// Which buckets of each row, and of each column, hold nodes: a bit each.
+    rows: [u64; PER_AXIS],
+    columns: [u64; PER_AXIS],
     /// For each node the one before it in its bucket.
     next: Vec<u32>,
 }
@@ -43,6 +46,8 @@ impl Tree {
             least: axes.map(|[least, _]| least),
             sides: axes.map(|[least, most]| (most - least) / PER_AXIS as f64),
             heads: Vec::new(),
+            rows: [0; PER_AXIS],
+            columns: [0; PER_AXIS],
             next: Vec::new(),
         }
     }
@@ -78,6 +83,8 @@ impl Tree {
         let [column, row] = self.bucket(self.point(node));
         let head = &mut self.heads[row * PER_AXIS + column];
         self.next.push(std::mem::replace(head, node as u32));
+        self.rows[row] |= 1 << column;
+        self.columns[column] |= 1 << row;
     }
 
     /// The column and row of a configuration's bucket.
@@ -96,34 +103,47 @@ impl Tree {
         if self.heads.is_empty() {
             return self.nearest_of_all(target);
         }
-        let [column, row] = self.bucket(target).map(|index| index as i64);
-        let (mut best, mut least) = (0, f64::INFINITY);
-        for ring in 0..PER_AXIS as i64 {
-            // Everything in this ring and beyond is at least this far, on one axis or the other.
-            let away = (ring - 1).max(0) as f64 * self.sides[0].min(self.sides[1]);
-            if away * away > least {
-                break;
-            }
-            let rows = (row - ring).max(0)..=(row + ring).min(PER_AXIS as i64 - 1);
-            for y in rows {
-                let is_edge = (y - row).abs() == ring;
-                let step = if is_edge || ring == 0 { 1 } else { 2 * ring as usize };
-                for x in (column - ring..=column + ring).step_by(step) {
-                    if !(0..PER_AXIS as i64).contains(&x) {
-                        continue;
-                    }
-                    let mut node = self.heads[y as usize * PER_AXIS + x as usize];
-                    while node != NONE {
-                        let square = distance_squared(self.point(node as usize), target);
-                        if square < least {
-                            (best, least) = (node as usize, square);
-                        }
-                        node = self.next[node as usize];
-                    }
+        let [column, row] = self.bucket(target);
+        let mut nearest = (0, f64::INFINITY);
+        for ring in 0..PER_AXIS {
+            // The ring's four sides, the corners with the rows.
+            let (above, beside) = (edges(row, ring), edges(column, ring));
+            for row in bits(above) {
+                for column in bits(self.rows[row] & within(column, ring)) {
+                    self.compare_bucket(column, row, target, &mut nearest);
                 }
             }
+            for column in bits(beside) {
+                for row in bits(self.columns[column] & within(row, ring) & !above) {
+                    self.compare_bucket(column, row, target, &mut nearest);
+                }
+            }
+            // Everything beyond is at least this far, on one axis or the other.
+            let away = ring as f64 * self.sides[0].min(self.sides[1]);
+            if away * away > nearest.1 {
+                break;
+            }
         }
-        best
+        nearest.0
+    }
+
+    /// Keeps a node of the bucket, and its squared distance, if it is nearer than what is known.
+    #[inline]
+    fn compare_bucket(
+        &self,
+        column: usize,
+        row: usize,
+        target: &[f64],
+        nearest: &mut (usize, f64),
+    ) {
+        let mut node = self.heads[row * PER_AXIS + column];
+        while node != NONE {
+            let square = distance_squared(self.point(node as usize), target);
+            if square < nearest.1 {
+                *nearest = (node as usize, square);
+            }
+            node = self.next[node as usize];
+        }
     }
 
     fn nearest_of_all(&self, target: &[f64]) -> usize {
@@ -142,6 +162,25 @@ impl Tree {
         let parent = |&node: &usize| (node != 0).then(|| self.parents[node] as usize);
         std::iter::successors(Some(node), parent).map(|node| self.point(node))
     }
+}
+
+/// The places `ring` away from `at`, as bits.
+fn edges(at: usize, ring: usize) -> u64 {
+    let below = if at >= ring { 1 << (at - ring) } else { 0 };
+    let above = if at + ring < PER_AXIS { 1 << (at + ring) } else { 0 };
+    below | above
+}
+
+/// The places up to `ring` away from `at`, as bits.
+fn within(at: usize, ring: usize) -> u64 {
+    let (first, last) = (at.saturating_sub(ring), (at + ring).min(PER_AXIS - 1));
+    (u64::MAX << first) & (u64::MAX >> (PER_AXIS - 1 - last))
+}
+
+/// The places whose bits are set, in order.
+fn bits(set: u64) -> impl Iterator<Item = usize> {
+    let rest = |rest: &u64| Some(rest & (rest - 1)).filter(|rest| *rest != 0);
+    std::iter::successors((set != 0).then_some(set), rest).map(|set| set.trailing_zeros() as usize)
 }
 
 #[inline]

@@ -2,6 +2,7 @@
 
 use super::LANES;
 use super::segments::Side;
+use crate::kernels::{least, most};
 
 /// What is known of a block of points after some shapes; starts as [`Default`], with none met.
 pub(super) trait Compared: Default {
@@ -49,8 +50,8 @@ impl Compared for Nearest {
     ) {
         let (known, known_x, known_y) = (self.square, self.offset_x, self.offset_y);
         for l in 0..LANES {
-            let dx = x[l] - x[l].max(min_x).min(max_x);
-            let dy = y[l] - y[l].max(min_y).min(max_y);
+            let dx = x[l] - least(most(x[l], min_x), max_x);
+            let dy = y[l] - least(most(y[l], min_y), max_y);
             let square = dx * dx + dy * dy;
             let nearer = square < known[l];
             self.square[l] = if nearer { square } else { known[l] };
@@ -114,16 +115,6 @@ impl Default for Probe {
     fn default() -> Self {
         Self { square: [f32::INFINITY; LANES], depth: [0.0; LANES] }
     }
-}
-
-#[inline(always)]
-fn least(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn most(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 impl Compared for Probe {
