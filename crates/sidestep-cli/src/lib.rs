@@ -26,6 +26,7 @@ mod output;
 mod plan;
 mod planners;
 mod planning;
+mod robots;
 mod shortest;
 mod source;
 mod table;
@@ -85,6 +86,8 @@ enum Verb {
     Experiment(experiment::ExperimentArgs),
     /// Train a policy
     Train(train::TrainArgs),
+    /// Say what is read of a robot with joints, and keep it as one file
+    Robot(robots::RobotVerbArgs),
     /// Exact shortest path of each task, or the proof that there is none
     Shortest(shortest::ShortestArgs),
     /// List the planners and their settings
@@ -138,6 +141,7 @@ fn run(cli: Cli) -> Result<u8, Failure> {
         Verb::Table(args) => table::run(&args, global).map(done),
         Verb::Experiment(args) => experiment::run(&args, global).map(done),
         Verb::Train(args) => train::run(&args, global),
+        Verb::Robot(args) => robots::run(&args, global).map(done),
         Verb::Shortest(args) => shortest::run(&args, global).map(done),
         Verb::Planners(_) => planners::run(global).map(done),
         Verb::Info(args) => info::run(&args, global).map(done),

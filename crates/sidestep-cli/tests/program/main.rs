@@ -13,6 +13,7 @@ mod files;
 mod generate;
 mod mistakes;
 mod plan;
+mod robot;
 mod table;
 mod train;
 mod worlds;
@@ -98,6 +99,7 @@ fn help_and_version() {
         "generate",
         "bench",
         "table",
+        "robot",
         "shortest",
         "train",
         "experiment",

@@ -16,7 +16,8 @@
 //! # Ok::<(), sidestep_io::FormatError>(())
 //! ```
 //!
-//! A picture is a sheet of panels, each a task seen from above ([`TaskPanel`]) or a [`Chart`]. Both are
+//! A picture is a sheet of panels, each a task seen from above ([`TaskPanel`]), a robot with joints from one side
+//! ([`SpacePanel`]) or a [`Chart`]. All are
 //! laid out as one list of shapes, from which the SVG and the PNG are written; the font is built in.
 
 mod axis;
@@ -28,13 +29,17 @@ mod font;
 mod legend;
 mod outline;
 mod plot;
+mod projection;
 mod raster;
 mod shading;
+mod space_panel;
 mod svg;
 mod task_panel;
 
 pub use chart::{BandPoint, Bar, Chart};
 pub use color::{Color, palette};
+pub use projection::View;
+pub use space_panel::SpacePanel;
 pub use task_panel::TaskPanel;
 
 use crate::error::FormatError;
@@ -58,6 +63,8 @@ pub enum Panel {
     Task(Box<TaskPanel>),
     /// A chart.
     Chart(Box<Chart>),
+    /// A robot with joints from one side.
+    Space(Box<SpacePanel>),
 }
 
 impl From<TaskPanel> for Panel {
@@ -72,11 +79,18 @@ impl From<Chart> for Panel {
     }
 }
 
+impl From<SpacePanel> for Panel {
+    fn from(panel: SpacePanel) -> Self {
+        Self::Space(Box::new(panel))
+    }
+}
+
 impl Panel {
     fn title(&self) -> &str {
         match self {
             Self::Task(panel) => &panel.title,
             Self::Chart(chart) => &chart.title,
+            Self::Space(panel) => &panel.title,
         }
     }
 
@@ -84,6 +98,7 @@ impl Panel {
         match self {
             Self::Task(panel) => panel.legend(),
             Self::Chart(chart) => chart.legend(),
+            Self::Space(panel) => panel.legend(),
         }
     }
 
@@ -92,6 +107,7 @@ impl Panel {
         match self {
             Self::Task(panel) => width * panel.aspect().clamp(0.2, 1.4),
             Self::Chart(_) => 0.66 * width,
+            Self::Space(panel) => width * panel.aspect(),
         }
     }
 
@@ -105,6 +121,7 @@ impl Panel {
                 panel.draw(canvas, Frame { x, y: frame.y, width, height });
             }
             Self::Chart(chart) => chart.draw(canvas, frame),
+            Self::Space(panel) => panel.draw(canvas, frame),
         }
     }
 }
@@ -130,7 +147,7 @@ impl Picture {
         self
     }
 
-    /// Adds a panel: a [`TaskPanel`] or a [`Chart`].
+    /// Adds a panel: a [`TaskPanel`], a [`SpacePanel`] or a [`Chart`].
     pub fn panel(mut self, panel: impl Into<Panel>) -> Self {
         self.panels.push(panel.into());
         self

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 use crate::error::{InvalidInput, finite};
 use crate::space::Pose;
-use crate::space::vector::{Vector, unit};
+use crate::space::vector::{Vector, dot, unit};
 
 /// A tree of links. Made by [`Model::new`], which checks it.
 #[derive(Debug, Clone, PartialEq)]
@@ -272,8 +272,11 @@ fn check_joint(joint: &mut Joint, links: usize, joints: usize) -> Result<(), Inv
     }
     if joint.kind != JointKind::Fixed {
         let axis = format!("{:?}", joint.axis);
-        joint.axis = unit(joint.axis)
-            .ok_or_else(|| InvalidInput::new("axis", axis, "a vector that is not zero"))?;
+        // One that has been normalised before stays what it is, to the bit.
+        if (dot(joint.axis, joint.axis) - 1.0).abs() > 1e-14 {
+            joint.axis = unit(joint.axis)
+                .ok_or_else(|| InvalidInput::new("axis", axis, "a vector that is not zero"))?;
+        }
     }
     match (&joint.limits, joint.kind) {
         (None, JointKind::Revolute | JointKind::Prismatic) => {

@@ -17,6 +17,8 @@ pub struct Pose {
 /// How far a quaternion's length, or a product of a rotation's rows, may be from one: files round
 /// to three digits.
 const LOOSE: f64 = 1e-2;
+/// How far they are from one by rounding.
+const ROUNDING: f64 = 1e-14;
 
 impl Pose {
     /// No motion.
@@ -37,7 +39,8 @@ impl Pose {
     ///
     /// # Errors
     /// If a number is not finite, or the rows are not within 1 % of a right-handed orthonormal
-    /// triple; within that they are made orthonormal.
+    /// triple; within that they are made orthonormal. Rows that are orthonormal but for rounding stay what they are, to the
+    /// bit.
     pub fn from_rotation(rotation: [Vector; 3], translation: Vector) -> Result<Self, InvalidInput> {
         for (i, row) in rotation.iter().enumerate() {
             finite_vector(&format!("rotation[{i}]"), *row)?;
@@ -53,7 +56,9 @@ impl Pose {
                 "three orthonormal rows, right-handed",
             ));
         }
-        Ok(Self { rotation: orthonormal(rotation), ..Self::at(translation)? })
+        let is_exact = products.iter().all(|product| product.abs() <= ROUNDING);
+        let rotation = if is_exact { rotation } else { orthonormal(rotation) };
+        Ok(Self { rotation, ..Self::at(translation)? })
     }
 
     /// From a quaternion `[w, x, y, z]` and a translation in metres.
