@@ -3,6 +3,7 @@
 //! Nothing here opens a file, reads a clock or writes to a terminal; where a file names another
 //! file (a ROS map its image), the caller passes a function that loads it.
 
+pub mod arm_page;
 pub mod benchmarks;
 mod error;
 pub mod input;

@@ -11,6 +11,7 @@ mod crash;
 mod determinism;
 mod files;
 mod generate;
+mod generate_arms;
 mod mistakes;
 mod plan;
 mod robot;

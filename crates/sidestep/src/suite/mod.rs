@@ -5,6 +5,7 @@
 //! pixels U{1..62}, both redrawn until neither lies in a closed rectangle. Candidate i of a seed has
 //! a stream of its own, and a suite keeps the candidates that pass its filter, in order.
 
+pub mod arms;
 pub mod queries;
 
 use std::sync::Arc;

@@ -1,11 +1,14 @@
 //! `sidestep generate`: the tasks of a suite as a file.
 
+mod arms;
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
 use sidestep::profile::Profile;
 use sidestep::suite::Suite;
+use sidestep::suite::arms::ArmSuite;
 use sidestep::{InvalidInput, Task};
 use sidestep_io::{TaskFormat, write_tasks};
 
@@ -19,10 +22,14 @@ pub const MAX_COUNT: usize = 1_000_000;
 /// Arguments of `generate`.
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  sidestep generate --suite hard --count 100 --seed 7 --out tasks.jsonl"
+    after_help = "Examples:\n  sidestep generate --suite hard --count 100 --seed 7 --out tasks.jsonl\n  \
+    sidestep generate --suite planar-arm --dof 3 --count 50 --seed 7 --out planar.json\n  \
+    sidestep generate --suite shelf --robot panda.urdf --srdf panda.srdf --group panda_arm --tool panda_hand \
+    --count 20 --seed 7 --out shelf.json"
 )]
 pub struct GenerateArgs {
-    /// easy, hard, hard-training, mix, time or varied
+    /// In the plane: easy, hard, hard-training, mix, time or varied. For robots with joints: planar-arm, box, shelf, table,
+    /// cage, or one kind of shelf or table (bookshelf_small, _tall, _thin, table_pick, table_under_pick)
     #[arg(long)]
     suite: String,
     /// Number of tasks
@@ -34,9 +41,11 @@ pub struct GenerateArgs {
     /// The gradient descent that decides what is hard: paper or default
     #[arg(long, default_value = "paper")]
     profile: String,
-    /// File to write, .jsonl (one task a line) or .json (an array)
+    /// File to write, .jsonl (one task a line) or .json (an array; for robots with joints, problems)
     #[arg(long)]
     out: PathBuf,
+    #[command(flatten, next_help_heading = "Robot with joints")]
+    arms: arms::ArmArgs,
 }
 
 /// What was written, as JSON.
@@ -50,7 +59,14 @@ struct Written<'a> {
 
 /// Writes the file.
 pub fn run(args: &GenerateArgs, global: &Global) -> Result<(), Failure> {
-    let suite = args.suite.parse::<Suite>()?;
+    if let Some(suite) = arms::suite(&args.suite) {
+        return arms::run(suite, args, global);
+    }
+    let suite = args.suite.parse::<Suite>().map_err(|error| {
+        let arms = ArmSuite::NAMES.map(|(name, _)| name).join(", ");
+        Failure(format!("{error}; for robots with joints {arms}"))
+    })?;
+    arms::refuse(&args.arms)?;
     let profile = args.profile.parse::<Profile>()?;
     let format = TaskFormat::from_file_name(&args.out.to_string_lossy())
         .ok_or_else(|| Failure::file(&args.out, "expected a name that ends in .json or .jsonl"))?;
