@@ -1,7 +1,7 @@
 //! A convex polygon.
 
-use super::point::{Point, cross, sub};
-use super::ring::Ring;
+use super::point::Point;
+use super::ring::{Ring, orientation};
 use super::segment::point_segment_distance;
 use crate::error::{InvalidInput, finite_point};
 
@@ -43,9 +43,9 @@ impl ConvexPolygon {
         (0..n).map(move |i| (self.vertices[i], self.vertices[(i + 1) % n]))
     }
 
-    /// Signed distance from `p` to the border, negative inside.
+    /// Signed distance from `p` to the border, negative inside; the sign is exact.
     pub fn signed_distance(&self, p: Point) -> f64 {
-        let inside = self.edges().all(|(a, b)| cross(sub(b, a), sub(p, a)) >= 0.0);
+        let inside = self.edges().all(|(a, b)| orientation(a, b, p) >= 0.0);
         let border = self
             .edges()
             .map(|(a, b)| point_segment_distance(p, a, b))
@@ -75,6 +75,16 @@ mod tests {
         let polygon = ConvexPolygon::new(clockwise).unwrap();
         assert!((polygon.signed_distance([1.0, 1.0]) + 1.0).abs() < 1e-12);
         assert!((polygon.signed_distance([5.0, 6.0]) - 5.0).abs() < 1e-12);
+    }
+
+    /// Beyond the tip of a needle the sides' cross products are less than their rounding.
+    #[test]
+    fn a_place_beyond_a_needle_is_outside() {
+        let tip = [-0.300_000_017_500_000_05, -0.200_000_022_750_000_03];
+        let blunt = [0.399_999_998_750_000_1; 2];
+        let needle = ConvexPolygon::new(vec![blunt, [blunt[0], 0.400_000_000_250_000_04], tip]);
+        let beyond = [-0.300_000_019_018_513_25, -0.200_000_024_051_582_3];
+        assert!(needle.unwrap().signed_distance(beyond) > 1.9e-9);
     }
 
     #[test]

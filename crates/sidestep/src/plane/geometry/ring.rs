@@ -173,7 +173,7 @@ impl Ring {
 
 /// Positive if `c` lies to the left of the line from `a` to `b`, negative to its right, 0 on it: the
 /// sign is exact.
-fn orientation(a: Point, b: Point, c: Point) -> f64 {
+pub(super) fn orientation(a: Point, b: Point, c: Point) -> f64 {
     let coord = |[x, y]: Point| robust::Coord { x, y };
     robust::orient2d(coord(a), coord(b), coord(c))
 }
