@@ -7,8 +7,8 @@ use std::ffi::OsString;
 const POINTS: [&str; 2] = ["--start", "--goal"];
 /// Verbs that plan.
 const PLANNING: [&str; 2] = ["plan", "bench"];
-/// Coordinates that are taken together: X, Y, and a third to tell people that it means nothing.
-const MOST_COORDINATES: usize = 3;
+/// Coordinates that are taken together: X and Y, or a number for each joint.
+const MOST_COORDINATES: usize = 64;
 
 /// A command line and what to tell about it.
 pub struct Arguments {

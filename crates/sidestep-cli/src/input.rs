@@ -11,6 +11,7 @@ use sidestep_io::input::{Content, Format, Question};
 use sidestep_io::ros_map::Unknown;
 
 use crate::failure::Failure;
+use crate::robots::tasks::{self, AskedArgs};
 use crate::{output, source};
 
 pub use crate::source::text as read_text;
@@ -32,6 +33,8 @@ pub struct InputArgs {
     /// it holds]
     #[arg(long, value_name = "KIND", value_parser = parse_format)]
     format: Option<Format>,
+    #[command(flatten, next_help_heading = "Robot with joints")]
+    pub robot: AskedArgs,
     /// Every file that was read for the tasks.
     #[arg(skip)]
     files: Arc<Mutex<Vec<PathBuf>>>,
@@ -43,7 +46,7 @@ impl InputArgs {
         self.files.lock().map_or_else(|_| Vec::new(), |files| files.clone())
     }
 
-    fn remember(&self, path: &Path) {
+    pub fn remember(&self, path: &Path) {
         if let Ok(mut files) = self.files.lock() {
             files.push(path.into());
         }
@@ -83,7 +86,18 @@ pub fn read(path: &Path, args: &InputArgs, question: Question) -> Result<Input, 
     for warning in &input.warnings {
         output::tell(&format!("warning: {}: {warning}", path.display()));
     }
+    let mut warnings = input.warnings;
     let tasks = match input.content {
+        Content::Problems(problems) => {
+            let asked = tasks::of_problems(path, &problems, &args.robot)?;
+            asked.files.iter().for_each(|path| args.remember(path));
+            warnings.extend(asked.warnings);
+            asked.tasks
+        }
+        _ if args.robot.robot.is_some() => {
+            let only = "--robot: these tasks have a robot in the plane; a scene in space is given by --scene";
+            return Err(Failure::file(path, only));
+        }
         Content::Map(world) => map_tasks(path, world, args, &question)?,
         Content::Tasks(_) if args.random_queries.is_some() => {
             let only = "--random-queries: only a map (.map, .yaml) has none of its own";
@@ -91,7 +105,7 @@ pub fn read(path: &Path, args: &InputArgs, question: Question) -> Result<Input, 
         }
         Content::Tasks(tasks) => tasks,
     };
-    Ok(Input { tasks, warnings: input.warnings })
+    Ok(Input { tasks, warnings })
 }
 
 fn map_tasks(
@@ -131,20 +145,24 @@ fn parse_format(name: &str) -> Result<Format, String> {
     name.parse().map_err(|error: sidestep::InvalidInput| error.to_string())
 }
 
-/// Parses `X,Y`.
-pub fn parse_point(text: &str) -> Result<Point, String> {
+/// Numbers that somebody typed: `X,Y` in the plane, or one for each joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Configuration(pub Vec<f64>);
+
+impl Configuration {
+    /// The point that two numbers are.
+    pub fn point(&self) -> Option<Point> {
+        self.0.as_slice().try_into().ok()
+    }
+}
+
+/// Parses a configuration: `X,Y`, or a number for each joint.
+pub fn parse_configuration(text: &str) -> Result<Configuration, String> {
     let number = |part: &str| {
         let value: f64 = part.trim().parse().map_err(|_| format!("`{part}` is not a number"))?;
         if value.is_finite() { Ok(value) } else { Err(format!("`{part}` is not finite")) }
     };
     // As people write points elsewhere: (1, 2) or [1, 2].
     let inner = text.trim().trim_matches(['(', ')', '[', ']']);
-    let parts: Vec<&str> = inner.split(',').collect();
-    match parts[..] {
-        [x, y] => Ok([number(x)?, number(y)?]),
-        _ => Err(format!(
-            "expected X,Y, two numbers; found {} (a heading means nothing here)",
-            parts.len()
-        )),
-    }
+    inner.split(',').map(number).collect::<Result<_, _>>().map(Configuration)
 }

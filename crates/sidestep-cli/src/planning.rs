@@ -44,13 +44,17 @@ pub struct PlanningArgs {
 }
 
 impl PlanningArgs {
-    /// The planner options for a field of the given extent; a learned planner among `planners`
-    /// decides the profile and the number of waypoints that the flags leave open.
-    pub fn options(&self, extent: f64, planners: &[&Planner]) -> Result<Options, Failure> {
+    /// The planner options for a field of the given extent, or for a robot with joints; a learned planner among
+    /// `planners` decides the profile and the number of waypoints that the flags leave open.
+    pub fn options(&self, extent: Option<f64>, planners: &[&Planner]) -> Result<Options, Failure> {
         let policy = planners.iter().find_map(|planner| planner.policy());
         let default_profile = policy.and_then(|policy| policy.fixed_profile()).unwrap_or("default");
         let mut profile = self.profile.as_deref().unwrap_or(default_profile).parse::<Profile>()?;
         if let Some(epsilon) = self.epsilon {
+            let Some(extent) = extent else {
+                let allowed = "a robot in the plane for it; --margin keeps one with joints away";
+                return Err(InvalidInput::new("--epsilon", epsilon, allowed).into());
+            };
             if !(epsilon > 0.0 && epsilon <= extent) {
                 let allowed = format!("a number above 0 and at most {extent}, the field's extent");
                 return Err(InvalidInput::new("--epsilon", epsilon, allowed).into());

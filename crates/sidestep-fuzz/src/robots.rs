@@ -59,5 +59,7 @@ pub fn problems(bytes: &[u8]) {
 }
 
 pub fn plan_document(bytes: &[u8]) {
-    told(read_waypoints(&String::from_utf8_lossy(bytes)));
+    let text = String::from_utf8_lossy(bytes);
+    told(read_waypoints(&text, 2));
+    told(read_waypoints(&text, 7));
 }

@@ -4,8 +4,8 @@
 //! Numbers are numbers: what is not known is `null` as a whole field, and no coordinate ever is.
 
 use serde::Serialize;
+use sidestep::Trajectory;
 use sidestep::error::MAX_COORDINATE;
-use sidestep::plane::geometry::Point;
 
 use crate::error::{FormatError, Place};
 use crate::input::without_mark;
@@ -40,8 +40,11 @@ pub struct PlanDocument {
     pub certified: bool,
     /// What to know about how the task was read.
     pub warnings: Vec<String>,
-    /// From start to goal, in task units; where not solved, an optimizer's last attempt.
-    pub waypoints: Vec<Point>,
+    /// Names of a waypoint's numbers, of a robot with joints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joints: Option<Vec<String>>,
+    /// From start to goal, `[points x dof]` in task units; where not solved, an optimizer's last attempt.
+    pub waypoints: Vec<Vec<f64>>,
     /// Every iterate, where that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trace: Option<Vec<TraceStep>>,
@@ -62,8 +65,8 @@ pub struct TraceStep {
     pub length_cost: f32,
     /// Whether the exact certificate passes the iterate.
     pub certified: bool,
-    /// From start to goal, in task units.
-    pub waypoints: Vec<Point>,
+    /// From start to goal, `[points x dof]` in task units.
+    pub waypoints: Vec<Vec<f64>>,
 }
 
 impl PlanDocument {
@@ -89,45 +92,56 @@ impl PlanDocument {
     }
 }
 
-fn is_finite(points: &[Point]) -> bool {
+fn is_finite(points: &[Vec<f64>]) -> bool {
     points.iter().flatten().all(|value| value.is_finite())
 }
 
-/// The waypoints of a plan: of a document as above, or of a JSON array of points `[x, y]` alone; at least
-/// two, start and goal included.
+/// The waypoints of a plan of `dof` numbers each: of a document as above, or of a JSON array of points
+/// alone; at least two, start and goal included.
 ///
 /// # Errors
 /// If the text is no such document; the message names line, column and field.
-pub fn read_waypoints(text: &str) -> Result<Vec<Point>, FormatError> {
+pub fn read_waypoints(text: &str, dof: usize) -> Result<Trajectory, FormatError> {
     let text = without_mark(text);
     let json = parse(FORMAT, text, 1)?;
     let root = Node::root(Source { format: FORMAT, text, first_line: 1 }, &json);
-    const POINTS: &str = "an array of at least 2 points [x, y]";
+    let point = if dof == 2 { "a point [x, y]".into() } else { format!("{dof} numbers") };
+    let wanted = match dof {
+        2 => "an array of at least 2 points [x, y]".into(),
+        _ => format!("an array of at least 2 configurations of {dof} numbers"),
+    };
     let waypoints = match json {
         Json::Array(_) => root,
-        _ => root.required("waypoints", POINTS)?,
+        _ => root.required("waypoints", &wanted)?,
     };
-    let mut points = Vec::new();
-    for item in waypoints.items(POINTS)? {
-        for coordinate in item.pair("a point [x, y]")? {
-            if coordinate.number()?.abs() > MAX_COORDINATE {
-                return Err(coordinate.wrong("a number of magnitude at most 1e9"));
+    let mut values = Vec::new();
+    for item in waypoints.items(&wanted)? {
+        let before = values.len();
+        for number in item.items(&point)? {
+            let value = number.number()?;
+            if value.abs() > MAX_COORDINATE {
+                return Err(number.wrong("a number of magnitude at most 1e9"));
             }
+            values.push(value);
         }
-        points.push(item.point()?);
+        let found = values.len() - before;
+        if found != dof {
+            return Err(item.found(format!("an array of {found}"), point));
+        }
     }
-    if points.len() < 2 {
+    if values.len() < 2 * dof {
         let place = Place::field("waypoints");
-        return Err(FormatError::new(FORMAT, place, format!("{} points", points.len()), POINTS));
+        let found = format!("{} points", values.len() / dof);
+        return Err(FormatError::new(FORMAT, place, found, wanted));
     }
-    Ok(points)
+    Ok(Trajectory::new(dof, values))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn document(waypoints: Vec<Point>) -> PlanDocument {
+    fn document(waypoints: Vec<Vec<f64>>) -> PlanDocument {
         let step = TraceStep {
             start: 0,
             iteration: 0,
@@ -150,6 +164,7 @@ mod tests {
             clearance: Some(f64::NAN),
             certified: false,
             warnings: vec![],
+            joints: None,
             waypoints,
             trace: Some(vec![step.clone(), TraceStep { obstacle_cost: 0.5, ..step }]),
         }
@@ -157,17 +172,22 @@ mod tests {
 
     #[test]
     fn waypoints_come_back_and_no_number_is_null() {
-        let points = vec![[0.1, -1e9], [1.0 / 3.0, 5e-324], [7.0, 8.0]];
+        let points = vec![vec![0.1, -1e9], vec![1.0 / 3.0, 5e-324], vec![7.0, 8.0]];
         let text = document(points.clone()).to_json();
-        assert_eq!(read_waypoints(&text), Ok(points));
+        assert_eq!(read_waypoints(&text, 2), Ok(Trajectory::new(2, points.concat())));
         let value: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert_eq!(
             (value["length"].is_null(), value["trace"].as_array().unwrap().len()),
             (true, 1)
         );
-        let broken = document(vec![[0.0, 0.0], [f64::NAN, 1.0]]).to_json();
+        let broken = document(vec![vec![0.0, 0.0], vec![f64::NAN, 1.0]]).to_json();
         assert!(!broken.contains("[\n      null"), "{broken}");
-        assert_eq!(read_waypoints("\u{feff}[[0, 1], [2, 3.5]]"), Ok(vec![[0.0, 1.0], [2.0, 3.5]]));
+        let plain = Trajectory::new(2, vec![0.0, 1.0, 2.0, 3.5]);
+        assert_eq!(read_waypoints("\u{feff}[[0, 1], [2, 3.5]]", 2), Ok(plain));
+        let three = Trajectory::new(3, vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert_eq!(read_waypoints("[[0, 1, 2], [3, 4, 5]]", 3), Ok(three));
+        let error = read_waypoints("[[0, 1, 2], [3, 4]]", 3).unwrap_err().to_string();
+        assert!(error.contains("[1]: found an array of 2; expected 3 numbers"), "{error}");
     }
 
     #[test]
@@ -195,7 +215,7 @@ mod tests {
             ("7", "plan JSON, line 1, column 1"),
             ("x", "plan JSON, line 1, column 1"),
         ] {
-            let error = read_waypoints(text).unwrap_err().to_string();
+            let error = read_waypoints(text, 2).unwrap_err().to_string();
             assert!(error.contains(expected), "{error}");
         }
     }

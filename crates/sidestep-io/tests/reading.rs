@@ -11,6 +11,8 @@ use sidestep_io::input::{Content, Format, Input, InputError, Question, read};
 
 const TASK: &str = r#"{"format": "sidestep.task/1", "bounds": [[0, 0], [9, 9]],
   "obstacles": [{"circle": {"center": [4, 4], "radius": 1}}], "start": [1, 1], "goal": [8, 8]}"#;
+const PROBLEMS: &str = r#"{"format": "sidestep.problems/1", "robot": "r.urdf", "joints": ["a"],
+  "problems": [{"name": "reach", "start": [0], "goals": [[1]], "objects": []}]}"#;
 const BARN: &str = r#"{"start": [0, 0], "goal": [0, 10], "worlds": {"3": [[0, 5, 1]]}}"#;
 const MAP: &str = "type octile\nheight 2\nwidth 3\nmap\n...\n.@.\n";
 const SCEN: &str = "version 1\n0\tmaps/a.map\t3\t2\t0\t0\t2\t0\t2\n";
@@ -34,7 +36,7 @@ fn input(name: &str, bytes: &[u8], question: &Question) -> Result<Input, InputEr
 fn tasks(input: Input) -> Vec<Task> {
     match input.content {
         Content::Tasks(tasks) => tasks,
-        Content::Map(world) => panic!("a map: {world:?}"),
+        other => panic!("no tasks: {other:?}"),
     }
 }
 
@@ -44,6 +46,7 @@ fn every_kind_by_name_by_content_and_with_every_mark() {
     for (name, bytes, format, count) in [
         ("x.json", TASK.as_bytes(), Format::Json, 1),
         ("x.json", BARN.as_bytes(), Format::Barn, 1),
+        ("x.json", PROBLEMS.as_bytes(), Format::Problems, 1),
         ("x.map", MAP.as_bytes(), Format::MovingAiMap, 0),
         ("x.scen", SCEN.as_bytes(), Format::MovingAiScen, 1),
         ("x.yaml", ROS.as_bytes(), Format::RosMap, 0),
@@ -53,6 +56,7 @@ fn every_kind_by_name_by_content_and_with_every_mark() {
         match &by_name.content {
             Content::Tasks(tasks) => assert_eq!(tasks.len(), count, "{name}"),
             Content::Map(world) => assert!(count == 0 && world.grid().is_some(), "{name}"),
+            Content::Problems(problems) => assert_eq!(problems.len(), count, "{name}"),
         }
         let given = Question { format: Some(format), ..Question::default() };
         assert_eq!(input("-", bytes, &given).unwrap(), by_name, "{name}");

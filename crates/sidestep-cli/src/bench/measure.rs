@@ -130,7 +130,11 @@ pub fn check_fit(sets: &[TaskSet], planner: &Planner, options: &Options) -> Resu
         | Planner::Auto(Auto { quick: method @ Method::Learned(_), .. }) => method,
         _ => return Ok(()),
     };
-    for set in sets {
+    // For robots with joints `auto` has another way, without a policy.
+    let has_other_way = |set: &TaskSet| {
+        matches!(planner, Planner::Auto(_)) && set.tasks.iter().all(|task| task.plane().is_err())
+    };
+    for set in sets.iter().filter(|set| !has_other_way(set)) {
         in_scenes(set, options, |query, index| {
             Walk::new(query, index as u64, method, options)?.begin(0).map(drop)
         })?;

@@ -91,10 +91,10 @@ pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
     let policies: Vec<PathBuf> = names.iter().filter_map(|name| policy_file(name)).collect();
     check_output(args, &policies)?;
     // All but what depends on the field is known before tasks are drawn or read.
-    args.planning.options(f64::INFINITY, &every)?;
+    args.planning.options(Some(f64::INFINITY), &every)?;
     let groups = task_groups(args, global)?;
     check_output(args, &args.from.files())?;
-    let extent = groups[0].1[0].plane()?.world.bounds().extent();
+    let extent = groups[0].1[0].plane().ok().map(|task| task.world.bounds().extent());
     let options = args.planning.options(extent, &every)?;
     let total = groups.iter().map(|(_, tasks)| tasks.len() as u64).sum::<u64>();
     let bar = output::progress("exact shortest paths", total, global.quiet);

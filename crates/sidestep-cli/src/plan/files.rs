@@ -1,6 +1,5 @@
 //! The files that `plan` writes: each name says its format.
 
-use std::fmt::Write;
 use std::path::Path;
 
 use sidestep_io::plan_json::PlanDocument;
@@ -18,8 +17,9 @@ pub fn check(args: &PlanArgs, compared: &[String]) -> Result<(), Failure> {
             "draws planners beside the first, so it needs a picture: --png FILE or --svg FILE";
         return Err(Failure::at("--compare", need));
     }
-    let formats: [(_, _, &[&str]); 3] = [
+    let formats: [(_, _, &[&str]); 4] = [
         ("--out", &args.out, &["json", "csv"]),
+        ("--trajectory", &args.trajectory, &["yaml", "yml", "json", "csv"]),
         ("--png", &args.png, &["png"]),
         ("--svg", &args.svg, &["svg"]),
     ];
@@ -40,10 +40,12 @@ pub fn write(path: &Path, answer: &PlanDocument) -> Result<(), Failure> {
     if path.extension().is_none_or(|suffix| !suffix.eq_ignore_ascii_case("csv")) {
         return output::write_file(path, answer.to_json().as_bytes());
     }
-    let mut table = String::from("x,y\n");
-    for [x, y] in &answer.waypoints {
-        // Writing to a string cannot fail.
-        let _ = writeln!(table, "{x},{y}");
+    let mut table = answer.joints.as_ref().map_or_else(|| "x,y".into(), |names| names.join(","));
+    for waypoint in &answer.waypoints {
+        let numbers: Vec<String> = waypoint.iter().map(f64::to_string).collect();
+        table.push('\n');
+        table += &numbers.join(",");
     }
+    table.push('\n');
     output::write_file(path, table.as_bytes())
 }

@@ -8,20 +8,21 @@ use clap::Args;
 use sidestep::objective::Objective;
 use sidestep::plan::run::Iteration;
 use sidestep::plan::{Plan, Planner, Status, Stop, Watch, plan_in};
-use sidestep::plane::geometry::Point;
-use sidestep::plane::{explain, points};
+use sidestep::plane::explain;
 use sidestep::scene::Query;
-use sidestep::{InvalidInput, Obstacle, Task, Trajectory};
+use sidestep::{InvalidInput, Obstacle, Setting, Task, Trajectory, arm};
 use sidestep_io::input::Question;
 use sidestep_io::plan_json::{self, PlanDocument, TraceStep};
 
 use crate::Global;
 use crate::failure::Failure;
-use crate::input::{self, Input, InputArgs, parse_point};
+use crate::input::{self, Configuration, Input, InputArgs, parse_configuration};
 use crate::obstacle::{parse_obstacle, with_obstacles};
 use crate::output;
 use crate::planning::{PlanningArgs, planner, planner_names};
+use crate::robots::tasks;
 
+mod controller;
 mod draw;
 mod files;
 
@@ -30,23 +31,29 @@ Examples:
   sidestep plan task.json --png picture.png
   sidestep plan map.yaml --start 1.5,1.5 --goal 18,11 --robot-radius 0.2 --margin 0.05
   sidestep plan task.json --planner gd --compare adam,sidestep-1 --trace --svg picture.svg
-  sidestep plan task.json --budget-ms 20 --out plan.json";
+  sidestep plan task.json --budget-ms 20 --out plan.json
+  sidestep plan --robot panda.urdf --scene shelf.yaml --start 0,-0.8,0,-2.4,0,1.6,0.8 --goal 1,0.2,0,-1.9,0,2,0.8
+  sidestep plan problems.json --index 3 --png views.png --trajectory trajectory.yaml";
 
 /// Arguments of `plan`.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct PlanArgs {
-    /// Task .json or .jsonl, MovingAI .map or .scen, ROS map .yaml, BARN worlds .json, MPNet worlds .dat
-    input: PathBuf,
+    /// Task .json or .jsonl, MovingAI .map or .scen, ROS map .yaml, BARN worlds .json, MPNet worlds .dat, problems of a
+    /// robot with joints .json; or nothing, and --robot, --start and --goal
+    input: Option<PathBuf>,
     /// Which task of the file, from 0
     #[arg(long, default_value_t = 0, allow_negative_numbers = true, help_heading = "Task")]
     index: usize,
-    /// Start in place of the file's
-    #[arg(long, value_parser = parse_point, allow_hyphen_values = true, help_heading = "Task")]
-    start: Option<Point>,
+    /// Start in place of the file's: X,Y, or a number for each joint (rad or m)
+    #[arg(long, value_parser = parse_configuration, allow_hyphen_values = true, help_heading = "Task")]
+    start: Option<Configuration>,
     /// Goal in place of the file's
-    #[arg(long, value_parser = parse_point, allow_hyphen_values = true, help_heading = "Task")]
-    goal: Option<Point>,
+    #[arg(long, value_parser = parse_configuration, allow_hyphen_values = true, help_heading = "Task")]
+    goal: Option<Configuration>,
+    /// What is around a robot with joints: scene JSON, MoveIt .yaml or .scene, cuRobo .yaml, .pcd, .ply, .xyz, .stl, .obj
+    #[arg(long, requires = "robot", conflicts_with = "input", help_heading = "Robot with joints")]
+    scene: Option<PathBuf>,
     /// An obstacle beside the file's: rect:X0,Y0,X1,Y1, circle:X,Y,RADIUS or polygon:X,Y;X,Y;X,Y; may be
     /// repeated
     #[arg(long, value_parser = parse_obstacle, help_heading = "Task")]
@@ -77,6 +84,15 @@ pub struct PlanArgs {
     /// Write the result here: .json, or .csv for the plan's points alone
     #[arg(long, help_heading = "Output")]
     out: Option<PathBuf>,
+    /// Write here when a robot with joints is where along the plan: a ROS JointTrajectory as .yaml or .json, or .csv
+    #[arg(long, help_heading = "Output")]
+    trajectory: Option<PathBuf>,
+    /// Share of the joints' top speeds that --trajectory uses, above 0 and up to 1
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true, help_heading = "Output")]
+    speed: f64,
+    /// Most acceleration of every joint for --trajectory, rad/s² or m/s² [default: top speed within half a second]
+    #[arg(long, allow_negative_numbers = true, help_heading = "Output")]
+    acceleration: Option<f64>,
     /// Draw the task and the plan here, as PNG
     #[arg(long, help_heading = "Output")]
     png: Option<PathBuf>,
@@ -93,15 +109,8 @@ pub struct PlanArgs {
 
 /// Plans, prints and draws.
 pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
-    let (start, goal, clearance) = (args.start, args.goal, args.margin);
-    let seed = args.planning.seed;
-    let question = Question { start, goal, clearance, seed, ..Question::default() };
-    let Input { mut tasks, warnings } = input::read(&args.input, &args.from, question)?;
-    if args.index >= tasks.len() {
-        let count = tasks.len();
-        return Err(Failure::at("--index", format!("{} of {count} tasks, from 0", args.index)));
-    }
-    let task = with_obstacles(tasks.swap_remove(args.index), &args.obstacle)?;
+    let (task, warnings) = asked(args)?;
+    let task = with_obstacles(task, &args.obstacle)?;
     let planner = planner(&args.planner)?;
     let compared = planner_names(&args.compare);
     let others: Vec<Planner> = compared
@@ -118,6 +127,7 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
         draw::pictures(args, &task, std::iter::once(&attempt).chain(&others))?;
     }
     let status = attempt.plan.status.clone();
+    let trajectory = args.trajectory.as_ref().map(|path| controller::write(args, path, &attempt));
     let answer = PlanDocument { warnings, ..answer(args, &task, attempt) };
     let written = args.out.as_ref().map_or(Ok(()), |path| files::write(path, &answer));
     if global.json {
@@ -126,11 +136,58 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
         output::print(&describe(&answer))?;
     }
     written?;
+    trajectory.transpose()?;
     Ok(match status {
         Status::Solved(_) => 0,
         Status::Invalid(_) => 2,
         _ => 1,
     })
+}
+
+/// The task that the arguments ask for, and what to know about how it was read.
+fn asked(args: &PlanArgs) -> Result<(Task, Vec<String>), Failure> {
+    let numbers = |end: &Option<Configuration>| end.as_ref().map(|end| end.0.clone());
+    let (start, goal) = (numbers(&args.start), numbers(&args.goal));
+    let Some(path) = &args.input else {
+        let (Some(_), Some(start), Some(goal)) = (&args.from.robot.robot, start, goal) else {
+            let need = "give a file of tasks, or --robot URDF, --start and --goal";
+            return Err(Failure(format!("nothing to plan: {need}")));
+        };
+        let scene = args.scene.as_deref();
+        let mut asked = tasks::of_scene(&args.from.robot, scene, [start, goal])?;
+        asked.files.iter().for_each(|path| args.from.remember(path));
+        let task = asked.tasks.pop().ok_or_else(|| Failure("no task".into()))?;
+        return Ok((task, asked.warnings));
+    };
+    let question = Question {
+        start: args.start.as_ref().and_then(Configuration::point),
+        goal: args.goal.as_ref().and_then(Configuration::point),
+        clearance: args.margin,
+        seed: args.planning.seed,
+        ..Question::default()
+    };
+    let read = input::read(path, &args.from, question);
+    let is_arm = |task: &Task| matches!(task.setting, Setting::Arm { .. });
+    if !matches!(&read, Ok(Input { tasks, .. }) if tasks.iter().any(is_arm)) {
+        for (flag, end) in [("--start", &start), ("--goal", &goal)] {
+            if let Some(found) = end.as_ref().map(Vec::len).filter(|found| *found != 2) {
+                let why = "a heading means nothing here";
+                let found = format!("expected X,Y, two numbers; found {found} ({why})");
+                return Err(Failure::at(flag, found));
+            }
+        }
+    }
+    let Input { mut tasks, warnings } = read?;
+    if args.index >= tasks.len() {
+        let count = tasks.len();
+        return Err(Failure::at("--index", format!("{} of {count} tasks, from 0", args.index)));
+    }
+    let task = tasks.swap_remove(args.index);
+    if !is_arm(&task) {
+        return Ok((task, warnings));
+    }
+    let Task { name, setting, start: from, goal: to } = task;
+    Ok((Task::new(name, setting, start.unwrap_or(from), goal.unwrap_or(to))?, warnings))
 }
 
 /// What one planner did.
@@ -150,13 +207,14 @@ fn attempt(
     name: &str,
     planner: &Planner,
 ) -> Result<Attempt, Failure> {
-    let mut options = args.planning.options(task.plane()?.world.bounds().extent(), &[planner])?;
+    let extent = task.plane().ok().map(|task| task.world.bounds().extent());
+    let mut options = args.planning.options(extent, &[planner])?;
     options.prove = true;
     if args.best || args.budget_ms.is_some() {
         options.stop = Stop::Best;
     }
     if let Some(path) = &args.warm_start {
-        options.warm_start = Some(read_waypoints(path)?);
+        options.warm_start = Some(read_waypoints(path, task.start.len())?);
     }
     let budget = match args.budget_ms {
         Some(ms) if !(ms > 0.0 && ms <= 1e9) => {
@@ -206,7 +264,7 @@ fn step(query: &Query, iteration: &Iteration<'_>) -> TraceStep {
         obstacle_cost: cost.obstacle,
         length_cost: cost.length,
         certified: iteration.solved,
-        waypoints: trajectory.map_or_else(Vec::new, |trajectory| points(&trajectory).to_vec()),
+        waypoints: trajectory.as_ref().map_or_else(Vec::new, rows),
     }
 }
 
@@ -217,10 +275,7 @@ fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> PlanDocument {
     let optimal = || query.scene().exact(query.start(), query.goal(), &go_on)?.length();
     PlanDocument {
         status: plan.status.name(),
-        reason: match (&plan.status, task.plane()) {
-            (Status::Invalid(violation), Ok(task)) => explain(&task, args.margin, violation),
-            (status, _) => status.reason(),
-        },
+        reason: reason(args, task, &query, &plan),
         task: task.name.clone(),
         planner,
         origin: certified.map(|_| plan.origin.to_string()),
@@ -231,9 +286,41 @@ fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> PlanDocument {
         clearance: certified.map(|path| query.scene().clearance(path)),
         certified: certified.is_some(),
         warnings: Vec::new(),
-        waypoints: plan.trajectory().map_or_else(Vec::new, |path| points(path).to_vec()),
+        joints: query.scene().arm().map(|scene| joint_names(scene.arm())),
+        waypoints: plan.trajectory().map_or_else(Vec::new, rows),
         trace: args.trace.then_some(trace),
     }
+}
+
+/// Why there is no plan, in words of the task's own file.
+fn reason(args: &PlanArgs, task: &Task, query: &Query, plan: &Plan) -> String {
+    // What was asked of a robot with joints, and not what is reported: with the margin.
+    let asked = (args.margin > 0.0).then(|| task.with_margin(args.margin).ok()).flatten();
+    let asked = asked.map(|asked| Query::of(&asked, query.scene().profile()));
+    let query = asked.as_ref().unwrap_or(query);
+    match (&plan.status, task.plane(), query.scene().arm()) {
+        (Status::Invalid(violation), Ok(task), _) => explain(&task, args.margin, violation),
+        (Status::Invalid(violation), _, Some(scene)) => {
+            arm::explain_ends(scene, [query.start(), query.goal()], violation)
+        }
+        (Status::Unsolved(reason), _, Some(scene)) => match (reason.violation(), &plan.attempt) {
+            (Some(violation), Some(path)) => {
+                let words = arm::explain(scene, path, violation);
+                reason.to_string().replace(&violation.to_string(), &words)
+            }
+            _ => reason.to_string(),
+        },
+        (status, ..) => status.reason(),
+    }
+}
+
+/// The configurations of a trajectory.
+fn rows(trajectory: &Trajectory) -> Vec<Vec<f64>> {
+    trajectory.configurations().map(<[f64]>::to_vec).collect()
+}
+
+fn joint_names(arm: &arm::Arm) -> Vec<String> {
+    arm.joints().iter().map(|joint| joint.name.clone()).collect()
 }
 
 /// The answer in a few lines.
@@ -252,15 +339,18 @@ fn describe(answer: &PlanDocument) -> String {
             let more = 100.0 * (length / optimal - 1.0).max(0.0);
             format!(" ({more:.1} % over the shortest, {optimal:.3})")
         });
-        text += &format!("length {length:.3}{over}, clearance {clearance:.3}\n");
+        let clearance = match clearance.is_finite() {
+            true => format!("clearance {clearance:.3}"),
+            false => "nothing around".into(),
+        };
+        text += &format!("length {length:.3}{over}, {clearance}\n");
         text += &format!("{} points, certified free of collision\n", answer.waypoints.len());
     }
     text
 }
 
 /// The waypoints of a plan file.
-fn read_waypoints(path: &std::path::Path) -> Result<Trajectory, Failure> {
-    let points = plan_json::read_waypoints(&input::read_text(path)?)
-        .map_err(|error| Failure::file(path, error))?;
-    Ok(Trajectory::from_points(&points))
+fn read_waypoints(path: &std::path::Path, dof: usize) -> Result<Trajectory, Failure> {
+    plan_json::read_waypoints(&input::read_text(path)?, dof)
+        .map_err(|error| Failure::file(path, error))
 }

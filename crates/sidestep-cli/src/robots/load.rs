@@ -16,7 +16,7 @@ use crate::source;
 /// What a command line says about a robot beside its URDF.
 #[derive(Args, Debug, Clone, Default)]
 pub struct RobotArgs {
-    /// SRDF of the robot: groups, named configurations, pairs of links that may touch
+    /// SRDF of the robot: groups, named configurations, pairs of links that may touch [default: the one beside the URDF]
     #[arg(long, value_name = "FILE")]
     pub srdf: Option<PathBuf>,
     /// Where a package of `package://NAME/...` lies [default: looked for around the URDF, then in
@@ -62,7 +62,9 @@ pub fn load(path: &Path, args: &RobotArgs, problem: Option<&Problem>) -> Result<
     }
     let text = source::text(path)?;
     let mut files = vec![path.to_path_buf()];
-    let srdf = match &args.srdf {
+    let is_own = robots::is_robot(&text);
+    let beside = if is_own { None } else { beside(path) };
+    let srdf = match args.srdf.as_ref().or(beside.as_ref()) {
         Some(path) => {
             files.push(path.clone());
             let text = source::text(path)?;
@@ -70,7 +72,7 @@ pub fn load(path: &Path, args: &RobotArgs, problem: Option<&Problem>) -> Result<
         }
         None => None,
     };
-    let prepared = if robots::is_robot(&text) {
+    let prepared = if is_own {
         let file = robots::read_robot(&text).map_err(|error| Failure::file(path, error))?;
         from_own(path, file, args, srdf.as_ref(), problem)?
     } else {
@@ -89,6 +91,13 @@ pub fn load(path: &Path, args: &RobotArgs, problem: Option<&Problem>) -> Result<
         prepared.map_err(|error| Failure::file(path, with_groups(&error, srdf.as_ref())))?
     };
     Ok(Loaded { prepared, srdf, files })
+}
+
+/// The SRDF beside a URDF, where there is one: of the same name, but for `_spherized`.
+fn beside(urdf: &Path) -> Option<PathBuf> {
+    let stem = urdf.file_stem()?.to_str()?;
+    let names = [stem, stem.trim_end_matches("_spherized")];
+    names.iter().map(|name| urdf.with_file_name(format!("{name}.srdf"))).find(|p| p.is_file())
 }
 
 /// A robot of our own file, whose joints may be chosen anew.

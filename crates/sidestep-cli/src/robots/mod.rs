@@ -1,8 +1,9 @@
 //! `sidestep robot`: what was read of a robot with joints, and the robot as a file of ours.
 
-mod draw;
+pub mod draw;
 pub mod load;
 mod meshes;
+pub mod tasks;
 
 use std::path::PathBuf;
 use std::time::Instant;

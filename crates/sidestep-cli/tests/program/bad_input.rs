@@ -126,7 +126,7 @@ fn flags() {
         ("plan free.json --compare gd", &["--compare", "--png FILE or --svg FILE"]),
         ("plan free.json --no-such-flag", &["--no-such-flag"]),
         ("plan free.json --planer gd", &["--planer", "'--planner'"]),
-        ("plan", &["<INPUT>"]),
+        ("plan", &["nothing to plan"]),
         ("plan free.json --planner gdd", &["gdd", "did you mean gd?"]),
         ("plan free.json --planner rrtconnect", &["did you mean rrt-connect?"]),
         ("plan free.json --planner xyzzy12345", &["one of auto, sidestep-1"]),

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
 
+mod arms;
 mod bad_input;
 mod bench;
 #[cfg(unix)]
@@ -104,6 +105,7 @@ fn help_and_version() {
         "shortest",
         "train",
         "experiment",
+        "robot",
         "planners",
         "info",
         "completions",

@@ -53,11 +53,12 @@ fn a_robot_is_described_and_kept() {
     let read = |name| std::fs::read_to_string(folder.path().join(name)).unwrap();
     assert_eq!(read("a.json"), read("b.json"));
     assert!(read("a.svg").starts_with("<svg"));
+    write(folder.path(), "bare.urdf", PANDA);
     // Without an SRDF neighbours may touch, and what was found is said.
     let parts = ["8 move", "that a joint joins (no SRDF)", "panda_link1 - panda_link2"];
     check(
         folder.path(),
-        "robot panda.urdf --joints panda_joint1,panda_joint2,panda_joint3,panda_joint4,panda_joint5,panda_joint6,panda_joint7",
+        "robot bare.urdf --joints panda_joint1,panda_joint2,panda_joint3,panda_joint4,panda_joint5,panda_joint6,panda_joint7",
         0,
         &parts[1..],
     );
@@ -126,6 +127,7 @@ fn broken_robots_are_told_from_each_other() {
         check(folder.path(), &format!("robot {name}"), 2, parts);
     }
     write(folder.path(), "good.urdf", &good);
+    write(folder.path(), "alone.urdf", &good);
     write(folder.path(), "bad.srdf", "<robot name='two'><group name='g'><joint/></group></robot>");
     write(
         folder.path(),
@@ -135,7 +137,7 @@ fn broken_robots_are_told_from_each_other() {
     let rows: [(&str, &[&str]); 7] = [
         ("robot good.urdf --srdf bad.srdf", &["bad.srdf", "line 1", "name"]),
         ("robot good.urdf --srdf none.srdf", &["none.srdf", "No such file"]),
-        ("robot good.urdf --group g", &["group", "an SRDF"]),
+        ("robot alone.urdf --group g", &["group", "an SRDF"]),
         ("robot good.urdf --srdf good.srdf --group f", &["\"f\"", "there are g"]),
         ("robot good.urdf --joints turns", &["\"turns\"", "such as \"turn\""]),
         ("robot good.urdf --held turns=1", &["\"turns\""]),

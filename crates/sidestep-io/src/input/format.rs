@@ -8,6 +8,7 @@ use sidestep::InvalidInput;
 use super::text::decode;
 use crate::benchmarks::barn;
 use crate::error::{FormatError, Place, quoted};
+use crate::scenes;
 
 /// A kind of file that holds tasks or a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,6 +27,8 @@ pub enum Format {
     RosMap,
     /// MPNet Simple2D worlds, `obs.dat` beside them.
     Mpnet,
+    /// Problems of a robot with joints, as JSON.
+    Problems,
 }
 
 /// Bytes of a file that its kind is guessed from.
@@ -33,7 +36,7 @@ const HEAD: usize = 4096;
 
 impl Format {
     /// Every kind, with its name.
-    pub const ALL: [(Self, &'static str); 7] = [
+    pub const ALL: [(Self, &'static str); 8] = [
         (Self::Json, "json"),
         (Self::JsonLines, "jsonl"),
         (Self::Barn, "barn"),
@@ -41,10 +44,11 @@ impl Format {
         (Self::MovingAiScen, "scen"),
         (Self::RosMap, "ros"),
         (Self::Mpnet, "mpnet"),
+        (Self::Problems, "problems"),
     ];
 
     /// The kind of the file of this name, or where the name says nothing, of these bytes. Whether JSON is
-    /// a task or BARN worlds follows from the bytes alone.
+    /// a task, BARN worlds or problems of a robot with joints follows from the bytes alone.
     ///
     /// # Errors
     /// If neither says what it is.
@@ -68,7 +72,7 @@ impl Format {
                 format!("an unknown kind of file that begins with {start}")
             };
             let expected = "a name that ends in .json, .jsonl, .map, .scen, .yaml, .yml or .dat, or \
-                            the kind given (json, jsonl, barn, map, scen, ros, mpnet)";
+                            the kind given (json, jsonl, barn, map, scen, ros, mpnet, problems)";
             FormatError::new("input", Place::default(), found, expected)
         })
     }
@@ -82,6 +86,7 @@ impl Format {
             Self::MovingAiScen => "MovingAI scen",
             Self::RosMap => "ROS map YAML",
             Self::Mpnet => "MPNet Simple2D",
+            Self::Problems => "problems JSON",
         }
     }
 }
@@ -108,6 +113,7 @@ impl FromStr for Format {
 
 fn json(bytes: &[u8]) -> Format {
     match decode("JSON", bytes) {
+        Ok(text) if scenes::is_problems(&text) => Format::Problems,
         Ok(text) if barn::is_barn(&text) => Format::Barn,
         _ => Format::Json,
     }
@@ -152,6 +158,7 @@ mod tests {
         for (name, bytes, expected) in [
             ("a/b.JSON", "{}", Some(Format::Json)),
             ("b.json", "{\"start\": 1, \"worlds\": {}}", Some(Format::Barn)),
+            ("b.json", "{\"format\": \"sidestep.problems/1\"}", Some(Format::Problems)),
             ("b.ndjson", "", Some(Format::JsonLines)),
             ("c.map", "{}", Some(Format::MovingAiMap)),
             ("c.map.scen", "", Some(Format::MovingAiScen)),

@@ -17,6 +17,7 @@ use crate::benchmarks::barn;
 use crate::benchmarks::mpnet::Simple2d;
 use crate::error::{FormatError, Place, plain_or_quoted, quoted};
 use crate::ros_map::{self, Unknown};
+use crate::scenes::{Problem, read_problems};
 use crate::task_json::{TaskFormat, read_tasks};
 use crate::{grid_world, movingai};
 
@@ -66,6 +67,8 @@ pub enum Content {
     Tasks(Vec<Task>),
     /// A map, which has no start and goal of its own.
     Map(Arc<World>),
+    /// What a robot with joints is asked, at least one; the robot has files of its own.
+    Problems(Vec<Problem>),
 }
 
 /// A file as it was read.
@@ -126,6 +129,10 @@ pub fn read(
         }
         Format::MovingAiScen => scenario(&text("MovingAI scen")?, robot, load)?,
         Format::Mpnet => mpnet(name, bytes, robot, question.seed, load)?,
+        Format::Problems => {
+            let problems = read_problems(text("problems JSON")?.as_bytes(), load)?;
+            return Ok(Input { content: Content::Problems(problems), warnings });
+        }
         Format::MovingAiMap => {
             let world = grid_world(movingai::read_map(bytes)?);
             return Ok(Input { content: Content::Map(world), warnings });

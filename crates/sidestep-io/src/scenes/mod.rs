@@ -23,6 +23,7 @@ use crate::error::{FormatError, Place};
 
 pub use json::SCENE_FORMAT;
 pub use moveit::{Request, read_request};
+pub(crate) use problems::is_problems;
 pub use problems::{PROBLEM_FORMAT, Problem, read_problems};
 pub use write::write_problems;
 

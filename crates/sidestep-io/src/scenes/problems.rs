@@ -38,7 +38,7 @@ const CONVERTED: &str = "sidestep-arm-problems/0";
 const FORMAT: &str = "problems JSON";
 
 /// A start, goals and a world for a robot with joints.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
     /// What it is called, such as `cage/12`.
     pub name: String,
@@ -112,6 +112,12 @@ pub fn read_problems(bytes: &[u8], load: Load<'_>) -> Result<Vec<Problem>, Forma
         return Err(list.wrong("at least one problem"));
     }
     Ok(problems)
+}
+
+/// Whether a text is such a file, by its first words: the format may stand behind other fields.
+pub(crate) fn is_problems(text: &str) -> bool {
+    let family = PROBLEM_FORMAT.rsplit_once('/').map_or(PROBLEM_FORMAT, |(family, _)| family);
+    [family, "sidestep-arm-problems"].iter().any(|name| text.contains(&format!("\"{name}/")))
 }
 
 /// What all problems of a file have.

@@ -11,6 +11,7 @@ mod chain;
 mod contacts;
 mod costs;
 mod covered;
+mod explain;
 mod inverse_kinematics;
 mod kinematics;
 mod lanes;
@@ -22,6 +23,7 @@ mod sincos;
 mod spheres;
 
 pub use covered::MeshHull;
+pub use explain::{explain, explain_ends};
 pub use inverse_kinematics::Tool;
 pub use model::{Body, BodyShape, Joint, JointKind, Limits, Link, MAX_LINKS, Mimic, Model};
 pub use robot::{Arm, ArmJoint, LIMIT_TOLERANCE, MAX_DOF};

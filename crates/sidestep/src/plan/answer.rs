@@ -93,6 +93,19 @@ pub enum Reason {
     Undecided(Doubt),
 }
 
+impl Reason {
+    /// What is wrong with the last attempt, where there is one.
+    pub fn violation(&self) -> Option<&Violation> {
+        match self {
+            Self::StepsSpent { violation, .. }
+            | Self::Diverged { violation, .. }
+            | Self::BrokenOff { violation, .. }
+            | Self::NotCertified { violation } => Some(violation),
+            Self::SamplesSpent { .. } | Self::SamplingBrokenOff { .. } | Self::Undecided(_) => None,
+        }
+    }
+}
+
 /// The answer to a planning question.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
