@@ -9,6 +9,7 @@
 pub mod certificate;
 mod chain;
 mod contacts;
+mod corners;
 mod costs;
 mod covered;
 mod explain;
