@@ -17,9 +17,10 @@ pub fn check(args: &PlanArgs, compared: &[String]) -> Result<(), Failure> {
             "draws planners beside the first, so it needs a picture: --png FILE or --svg FILE";
         return Err(Failure::at("--compare", need));
     }
-    let formats: [(_, _, &[&str]); 4] = [
+    let formats: [(_, _, &[&str]); 5] = [
         ("--out", &args.out, &["json", "csv"]),
         ("--trajectory", &args.trajectory, &["yaml", "yml", "json", "csv"]),
+        ("--html", &args.html, &["html", "htm"]),
         ("--png", &args.png, &["png"]),
         ("--svg", &args.svg, &["svg"]),
     ];

@@ -25,6 +25,7 @@ use crate::robots::tasks;
 mod controller;
 mod draw;
 mod files;
+mod page;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -33,7 +34,7 @@ Examples:
   sidestep plan task.json --planner gd --compare adam,sidestep-1 --trace --svg picture.svg
   sidestep plan task.json --budget-ms 20 --out plan.json
   sidestep plan --robot panda.urdf --scene shelf.yaml --start 0,-0.8,0,-2.4,0,1.6,0.8 --goal 1,0.2,0,-1.9,0,2,0.8
-  sidestep plan problems.json --index 3 --png views.png --trajectory trajectory.yaml";
+  sidestep plan problems.json --index 3 --html way.html --trajectory trajectory.yaml";
 
 /// Arguments of `plan`.
 #[derive(Args)]
@@ -93,6 +94,12 @@ pub struct PlanArgs {
     /// Most acceleration of every joint for --trajectory, rad/s² or m/s² [default: top speed within half a second]
     #[arg(long, allow_negative_numbers = true, help_heading = "Output")]
     acceleration: Option<f64>,
+    /// How far before and after a corner of the plan --trajectory may leave it, in joint space; as far as that is proved free
+    #[arg(long, default_value_t = 0.2, allow_negative_numbers = true, help_heading = "Output")]
+    blend: f64,
+    /// Show a robot with joints on its way here: one HTML page in three dimensions, with sliders over time and iterations
+    #[arg(long, help_heading = "Output")]
+    html: Option<PathBuf>,
     /// Draw the task and the plan here, as PNG
     #[arg(long, help_heading = "Output")]
     png: Option<PathBuf>,
@@ -128,6 +135,9 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
     }
     let status = attempt.plan.status.clone();
     let trajectory = args.trajectory.as_ref().map(|path| controller::write(args, path, &attempt));
+    if let Some(path) = &args.html {
+        page::write(args, path, &task, &attempt)?;
+    }
     let answer = PlanDocument { warnings, ..answer(args, &task, attempt) };
     let written = args.out.as_ref().map_or(Ok(()), |path| files::write(path, &answer));
     if global.json {
@@ -193,6 +203,8 @@ fn asked(args: &PlanArgs) -> Result<(Task, Vec<String>), Failure> {
 /// What one planner did.
 pub struct Attempt {
     planner: String,
+    /// What was asked, with the margin, and the same without.
+    asked: Query,
     query: Query,
     plan: Plan,
     time: Duration,
@@ -229,7 +241,7 @@ fn attempt(
     let begin = Instant::now();
     let query = Query::of(&asked, &options.profile);
     let see = |iteration: &Iteration<'_>| {
-        if (args.trace || args.animate)
+        if (args.trace || args.animate || args.html.is_some())
             && let Ok(mut steps) = trace.lock()
         {
             steps.push(step(&query, iteration));
@@ -240,10 +252,11 @@ fn attempt(
     let plan = plan_in(&query, planner, &options, watch)?;
     let time = begin.elapsed();
     // What is reported and drawn is the robot itself.
+    let asked = query.clone();
     let query = if args.margin > 0.0 { Query::of(task, &options.profile) } else { query };
     let mut trace = trace.into_inner().unwrap_or_default();
     trace.sort_by_key(|step| (step.start, step.iteration));
-    Ok(Attempt { planner: name.into(), query, plan, time, trace, deadline })
+    Ok(Attempt { planner: name.into(), asked, query, plan, time, trace, deadline })
 }
 
 /// Whether the time budget, if there is one, is not spent.
@@ -269,7 +282,7 @@ fn step(query: &Query, iteration: &Iteration<'_>) -> TraceStep {
 }
 
 fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> PlanDocument {
-    let Attempt { planner, query, plan, time, trace, deadline } = attempt;
+    let Attempt { planner, query, plan, time, trace, deadline, .. } = attempt;
     let certified = plan.certified();
     let go_on = || is_time_left(deadline);
     let optimal = || query.scene().exact(query.start(), query.goal(), &go_on)?.length();

@@ -81,6 +81,34 @@ fn a_plan_of_a_robot_a_scene_and_two_configurations() {
 }
 
 #[test]
+fn a_page_shows_the_way_and_corners_are_cut() {
+    let folder = arms();
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    check(folder.path(), &line("--scene post.json --html way.html --trajectory cut.csv"), 0, &[]);
+    check(folder.path(), &line("--scene post.json --blend 0 --trajectory stops.csv"), 0, &[]);
+    // Each row is a hundredth of a second.
+    let rows = |name: &str| read(name).lines().count();
+    assert!(rows("cut.csv") < rows("stops.csv"), "{} {}", rows("cut.csv"), rows("stops.csv"));
+    let page = read("way.html");
+    assert!(page.len() < 500_000 && page.contains("the plan"), "{} bytes", page.len());
+    assert!(!page.contains("http:") && !page.contains("https:") && page.contains("\"timed\":true"));
+    // A failure is shown with the link that hits; iterates have a slider.
+    let failed = line("--scene post.json --planner gd --steps 0 --html failed.html");
+    check(folder.path(), &failed, 1, &["\"post\""]);
+    let page = read("failed.html");
+    assert!(page.contains("\"hit\":true") && page.contains("the last attempt"));
+    let iterates = line("--scene post.json --planner gd --steps 60 --html failed.html");
+    check(folder.path(), &iterates, 1, &["unsolved"]);
+    let page = read("failed.html");
+    assert!(page.contains("\"label\":\"0\"") && page.contains("\"label\":\"60\""));
+    assert!(page.len() < 500_000, "{} bytes", page.len());
+    check(folder.path(), &line("--html way.txt"), 2, &["--html", ".html"]);
+    check(folder.path(), &line("--trajectory a.csv --blend -1"), 2, &["--blend: -1"]);
+    fs::write(folder.path().join("task.json"), crate::task("")).unwrap();
+    check(folder.path(), "plan task.json --html a.html", 2, &["--html", "joints"]);
+}
+
+#[test]
 fn problems_are_planned_and_measured() {
     let folder = arms();
     let words = "plan problems.json --index 1 --trajectory moves.csv --speed 0.5 --acceleration 3";

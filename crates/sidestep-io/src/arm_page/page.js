@@ -61,7 +61,7 @@ function draw() {
   pen.clearRect(0, 0, width, height);
   const ca = Math.cos(state.azimuth), sa = Math.sin(state.azimuth);
   const ce = Math.cos(state.elevation), se = Math.sin(state.elevation);
-  const scale = (Math.min(width, height) / 2 / reach) * state.zoom * 1.15;
+  const scale = (Math.min(width, height) / 2 / reach) * state.zoom * 1.5;
   const project = (p) => {
     const x = p[0] - middle[0], y = p[1] - middle[1], z = p[2] - middle[2];
     const right = -sa * x + ca * y, away = ca * x + sa * y;
