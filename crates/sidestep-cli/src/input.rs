@@ -7,6 +7,7 @@ use clap::Args;
 use sidestep::plane::geometry::Point;
 use sidestep::suite::queries::random_queries;
 use sidestep::{Robot, Task, World};
+use sidestep_io::drawing::Drawing;
 use sidestep_io::input::{Content, Format, Question};
 use sidestep_io::ros_map::Unknown;
 
@@ -26,10 +27,19 @@ pub struct InputArgs {
     /// Treat unknown cells of a ROS map as free
     #[arg(long)]
     unknown_is_free: bool,
+    /// Side of a picture's pixel, in task units
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true, value_name = "UNITS")]
+    scale: f64,
+    /// How dark a picture's pixel must be to be an obstacle, from 0 (white) to 1 (black)
+    #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
+    threshold: f64,
+    /// What is light in a picture is an obstacle, and what is dark is free
+    #[arg(long)]
+    light_is_obstacle: bool,
     /// Ask a map alone this many questions, start and goal drawn by --seed where the robot may stand
     #[arg(long, value_name = "N")]
     random_queries: Option<usize>,
-    /// What kind of file it is: json, jsonl, barn, map, scen, ros or mpnet [default: by its name, or by what
+    /// What kind of file it is: json, jsonl, barn, map, scen, ros, mpnet, problems or picture [default: by its name, or by what
     /// it holds]
     #[arg(long, value_name = "KIND", value_parser = parse_format)]
     format: Option<Format>,
@@ -71,6 +81,11 @@ pub fn read(path: &Path, args: &InputArgs, question: Question) -> Result<Input, 
         robot_radius: args.robot_radius,
         unknown: if args.unknown_is_free { Unknown::Free } else { Unknown::Occupied },
         format: args.format,
+        drawing: Drawing {
+            scale: args.scale,
+            threshold: args.threshold,
+            light: args.light_is_obstacle,
+        },
         ..question
     };
     args.remember(path);

@@ -75,7 +75,7 @@ struct Global {
 #[derive(Subcommand)]
 enum Verb {
     /// Plan one task and certify the plan
-    Plan(plan::PlanArgs),
+    Plan(Box<plan::PlanArgs>),
     /// Write the tasks of a suite to a file
     Generate(generate::GenerateArgs),
     /// Measure planners on suites or task files

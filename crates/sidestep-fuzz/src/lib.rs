@@ -23,7 +23,7 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 20] = [
+pub const TARGETS: [Target; 21] = [
     Target { name: "task_json", run: readers::task_json, longest: 4096 },
     Target { name: "task_lines", run: readers::task_lines, longest: 4096 },
     Target { name: "barn", run: readers::barn, longest: 2048 },
@@ -33,6 +33,7 @@ pub const TARGETS: [Target; 20] = [
     Target { name: "ros_yaml", run: readers::ros_yaml, longest: 1024 },
     Target { name: "pgm", run: readers::pgm, longest: 1024 },
     Target { name: "png", run: readers::png, longest: 2048 },
+    Target { name: "picture", run: readers::picture, longest: 2048 },
     Target { name: "any_file", run: readers::any_file, longest: 2048 },
     Target { name: "policy", run: training::policy, longest: 32_768 },
     Target { name: "checkpoint", run: training::checkpoint, longest: 32_768 },

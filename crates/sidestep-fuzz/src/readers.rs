@@ -5,6 +5,7 @@ use std::io;
 
 use sidestep::{Robot, Task};
 use sidestep_io::benchmarks::{barn as barn_file, mpnet::Simple2d};
+use sidestep_io::drawing::Drawing;
 use sidestep_io::input::{Content, Question, read};
 use sidestep_io::ros_map::{self, Unknown};
 use sidestep_io::{TaskFormat, grid_world, movingai, read_tasks, write_tasks};
@@ -88,6 +89,14 @@ pub fn png(bytes: &[u8]) {
         None => [b"\x89PNG\r\n\x1a\n", bytes].concat(),
     };
     told(ros_map::read(YAML, Unknown::Occupied, |_| Ok(begun)));
+}
+
+/// A picture of any kind; the first byte says how it is read.
+pub fn picture(bytes: &[u8]) {
+    let Some((&first, rest)) = bytes.split_first() else { return };
+    let threshold = 0.2 + 0.6 * f64::from(first % 8) / 7.0;
+    let drawing = Drawing { threshold, light: first & 8 != 0, ..Drawing::default() };
+    told(drawing.read(rest));
 }
 
 /// A file whose kind its bytes must tell; files that it names cannot be read.

@@ -5,6 +5,7 @@
 
 pub mod arm_page;
 pub mod benchmarks;
+pub mod drawing;
 mod error;
 pub mod input;
 pub mod joint_trajectory;

@@ -80,3 +80,31 @@ fn misuse_is_refused() {
         check(folder.path(), arguments, 2, &[expected]);
     }
 }
+
+/// A drawing is a map: what is dark is an obstacle.
+#[test]
+fn pictures_are_planned() {
+    let folder = folder();
+    // 40 x 20 pixels with a wall in the middle, open above.
+    let row = |y: usize| (0..40).map(move |x| if x == 20 && y > 6 { 30_u8 } else { 250 });
+    let pixels: Vec<u8> = (0..20).flat_map(row).collect();
+    let picture = [b"P5\n40 20\n255\n".to_vec(), pixels].concat();
+    std::fs::write(folder.path().join("wall.pgm"), picture).unwrap();
+    let line = "plan wall.pgm --start 5,5 --goal 35,5";
+    check(folder.path(), &format!("{line} --robot-radius 1"), 0, &["solved"]);
+    check(folder.path(), &format!("{line} --planner gd --steps 0"), 1, &["unsolved"]);
+    // Darker than the wall is nothing.
+    check(
+        folder.path(),
+        &format!("{line} --threshold 0.95 --planner gd --steps 0"),
+        0,
+        &["solved"],
+    );
+    check(folder.path(), &format!("{line} --light-is-obstacle"), 2, &["the start is in collision"]);
+    let small = "plan wall.pgm --scale 0.1 --start 0.5,0.5 --goal 3.5,0.5 --planner shortest-path";
+    check(folder.path(), small, 0, &["solved"]);
+    check(folder.path(), &format!("{line} --threshold 1.5"), 2, &["threshold: 1.5", "below 1"]);
+    check(folder.path(), &format!("{line} --scale -1"), 2, &["scale: -1", "above 0"]);
+    std::fs::write(folder.path().join("half.jpg"), b"\xff\xd8\xff\xe0 no more").unwrap();
+    check(folder.path(), "plan half.jpg --start 1,1 --goal 2,2", 2, &["half.jpg: picture", "JPEG"]);
+}

@@ -29,6 +29,8 @@ pub enum Format {
     Mpnet,
     /// Problems of a robot with joints, as JSON.
     Problems,
+    /// A picture of a workspace: PNG, PGM or JPEG.
+    Picture,
 }
 
 /// Bytes of a file that its kind is guessed from.
@@ -36,7 +38,7 @@ const HEAD: usize = 4096;
 
 impl Format {
     /// Every kind, with its name.
-    pub const ALL: [(Self, &'static str); 8] = [
+    pub const ALL: [(Self, &'static str); 9] = [
         (Self::Json, "json"),
         (Self::JsonLines, "jsonl"),
         (Self::Barn, "barn"),
@@ -45,6 +47,7 @@ impl Format {
         (Self::RosMap, "ros"),
         (Self::Mpnet, "mpnet"),
         (Self::Problems, "problems"),
+        (Self::Picture, "picture"),
     ];
 
     /// The kind of the file of this name, or where the name says nothing, of these bytes. Whether JSON is
@@ -62,6 +65,7 @@ impl Format {
             "scen" => Some(Self::MovingAiScen),
             "yaml" | "yml" => Some(Self::RosMap),
             "dat" => Some(Self::Mpnet),
+            "png" | "pgm" | "jpg" | "jpeg" => Some(Self::Picture),
             _ => by_content(bytes),
         };
         found.ok_or_else(|| {
@@ -71,8 +75,9 @@ impl Format {
             } else {
                 format!("an unknown kind of file that begins with {start}")
             };
-            let expected = "a name that ends in .json, .jsonl, .map, .scen, .yaml, .yml or .dat, or \
-                            the kind given (json, jsonl, barn, map, scen, ros, mpnet, problems)";
+            let expected = "a name that ends in .json, .jsonl, .map, .scen, .yaml, .yml, .dat, .png, \
+                            .pgm or .jpg, or the kind given (json, jsonl, barn, map, scen, ros, mpnet, \
+                            problems, picture)";
             FormatError::new("input", Place::default(), found, expected)
         })
     }
@@ -87,6 +92,7 @@ impl Format {
             Self::RosMap => "ROS map YAML",
             Self::Mpnet => "MPNet Simple2D",
             Self::Problems => "problems JSON",
+            Self::Picture => "picture",
         }
     }
 }
@@ -121,6 +127,9 @@ fn json(bytes: &[u8]) -> Format {
 
 /// The kind that the first words say. MPNet's numbers say nothing of themselves.
 fn by_content(bytes: &[u8]) -> Option<Format> {
+    if [&b"\x89PNG"[..], b"\xff\xd8\xff", b"P5", b"P2"].iter().any(|mark| bytes.starts_with(mark)) {
+        return Some(Format::Picture);
+    }
     // Cut in a character, the head is still good enough.
     let head = &bytes[..bytes.len().min(HEAD)];
     let head = match decode("input", head) {
@@ -173,9 +182,10 @@ mod tests {
             ("-", "version 1\n0 a.map", Some(Format::MovingAiScen)),
             ("-", "0\ta b.map\t4\t4\t0\t0\t1\t1\t1.4", Some(Format::MovingAiScen)),
             ("-", "# a map\nimage: room.pgm\n", Some(Format::RosMap)),
-            ("folder.d/file", "P5 1 1 255 x", None),
+            ("folder.d/file", "P5 1 1 255 x", Some(Format::Picture)),
             ("-", "", None),
-            ("picture.png", "\u{1}", None),
+            ("picture.png", "\u{1}", Some(Format::Picture)),
+            ("movie.gif", "GIF89a", None),
         ] {
             assert_eq!(Format::of(name, bytes.as_bytes()).ok(), expected, "{name} {bytes:?}");
         }

@@ -15,6 +15,7 @@ use sidestep::{InvalidInput, PlaneTask, Robot, Task, World};
 
 use crate::benchmarks::barn;
 use crate::benchmarks::mpnet::Simple2d;
+use crate::drawing::{Drawing, DrawingError};
 use crate::error::{FormatError, Place, plain_or_quoted, quoted};
 use crate::ros_map::{self, Unknown};
 use crate::scenes::{Problem, read_problems};
@@ -42,6 +43,8 @@ pub struct Question {
     pub clearance: f64,
     /// What unknown cells of a ROS map count as.
     pub unknown: Unknown,
+    /// How a picture's pixels become obstacles.
+    pub drawing: Drawing,
     /// Draws what the file leaves open.
     pub seed: u64,
     /// The kind of file, where its name and bytes should not decide.
@@ -136,6 +139,13 @@ pub fn read(
         Format::MovingAiMap => {
             let world = grid_world(movingai::read_map(bytes)?);
             return Ok(Input { content: Content::Map(world), warnings });
+        }
+        Format::Picture => {
+            let grid = question.drawing.read(bytes).map_err(|error| match error {
+                DrawingError::Format(error) => InputError::Format(error),
+                DrawingError::Setting(error) => InputError::Question(error),
+            })?;
+            return Ok(Input { content: Content::Map(grid_world(grid)), warnings });
         }
         Format::RosMap => {
             let map = ros_map::read(&text("ROS map YAML")?, question.unknown, load)?;
