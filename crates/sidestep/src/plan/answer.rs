@@ -182,6 +182,8 @@ pub enum Origin {
     FirstStart,
     /// An optimizer from a random start of this number, from 1.
     RandomStart(usize),
+    /// The given warm start itself, which is still certified.
+    WarmStart,
     /// The exact shortest path, made smooth.
     SmoothShortestPath,
     /// The exact shortest path itself.
@@ -197,6 +199,7 @@ impl std::fmt::Display for Origin {
         match self {
             Self::FirstStart => f.write_str("optimized from the first start"),
             Self::RandomStart(start) => write!(f, "optimized from random start {start}"),
+            Self::WarmStart => f.write_str("the warm start, still free"),
             Self::SmoothShortestPath => f.write_str("smoothed from the shortest path"),
             Self::ShortestPath => f.write_str("the shortest path"),
             Self::SmoothTree => f.write_str("smoothed from a random tree"),

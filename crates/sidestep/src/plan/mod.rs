@@ -8,12 +8,15 @@
 mod answer;
 mod auto;
 mod exact;
+pub mod fair;
 mod jointed;
+mod opened;
 mod optimize;
 mod options;
 pub(crate) mod parallel;
 mod planner;
 mod planner_name;
+pub mod polish;
 pub mod rrt_connect;
 pub mod run;
 pub mod smooth;
@@ -24,12 +27,14 @@ pub use auto::Auto;
 pub use options::{MAX_STARTS, MAX_STEPS, Options, Stop, Watch};
 pub use planner::Planner;
 pub use planner_name::{PLANNERS, PlannerName, PlannerSetting, parse_planner};
+pub use polish::Wishes;
 
 use std::sync::Arc;
 
 use crate::error::InvalidInput;
 use crate::plan::exact::shortest;
 use crate::plan::optimize::optimize;
+use crate::plan::polish::polish;
 use crate::plan::rrt_connect::tree;
 use crate::plane::shortest_path::Route;
 use crate::scene::{Query, Scene, Task};
@@ -90,17 +95,21 @@ pub fn plan_in(
     if let Err(violation) = query.check_ends() {
         return Ok(Plan::none(Status::Invalid(violation), Origin::FirstStart));
     }
-    match planner {
+    let plan = match planner {
         Planner::Optimizer(method) => {
-            Ok(or_proof(optimize(query, method, options, watch)?, query, options, watch))
+            or_proof(optimize(query, method, options, watch)?, query, options, watch)
         }
         Planner::RrtConnect(rrt) => {
-            Ok(or_proof(tree(query, rrt, options, watch), query, options, watch))
+            or_proof(tree(query, rrt, options, watch), query, options, watch)
         }
         Planner::ShortestPath => shortest(query, watch)
-            .ok_or_else(|| InvalidInput::new("planner", "shortest-path", "a robot in the plane")),
-        Planner::Auto(auto) => auto.plan(query, options, watch),
-    }
+            .ok_or_else(|| InvalidInput::new("planner", "shortest-path", "a robot in the plane"))?,
+        Planner::Auto(auto) => return auto.plan(query, options, watch),
+    };
+    Ok(match &options.wishes {
+        Some(wishes) => polish(query, plan, wishes, watch),
+        None => plan,
+    })
 }
 
 /// The plan; where it is not solved and the options ask for it, with the proof that there is none.

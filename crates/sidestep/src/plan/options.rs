@@ -2,7 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use crate::error::InvalidInput;
+use crate::error::{InvalidInput, MAX_COORDINATE};
+use crate::plan::polish::Wishes;
 use crate::plan::run::Iteration;
 use crate::plan::starts::StartStrategy;
 use crate::profile::{MAX_WAYPOINTS, Profile};
@@ -39,6 +40,9 @@ pub struct Options {
     pub index: u64,
     /// A trajectory to start from instead of the straight line.
     pub warm_start: Option<Trajectory>,
+    /// What is wished of the plan's bends: whatever the planner, its plan is polished to keep them ([`crate::plan::polish`]).
+    /// Where none, only `auto` polishes, with [`Wishes::default`].
+    pub wishes: Option<Wishes>,
     /// Whether a failed search is followed by one for a proof that there is no path.
     pub prove: bool,
 }
@@ -55,6 +59,7 @@ impl Default for Options {
             seed: 0,
             index: 0,
             warm_start: None,
+            wishes: None,
             prove: false,
         }
     }
@@ -107,6 +112,14 @@ impl Options {
                 let value = format!("{configuration:?}");
                 let field = format!("warm_start[{index}]");
                 return Err(InvalidInput::new(field, value, "finite numbers"));
+            }
+        }
+        if let Some(Wishes { turn, radius }) = self.wishes {
+            if !(0.0..=std::f64::consts::PI).contains(&turn) {
+                return Err(InvalidInput::new("wishes.turn", turn, "radians from 0 to π"));
+            }
+            if !(0.0..=MAX_COORDINATE).contains(&radius) {
+                return Err(InvalidInput::new("wishes.radius", radius, "a number from 0 to 1e9"));
             }
         }
         range("steps", self.steps, 0, MAX_STEPS)

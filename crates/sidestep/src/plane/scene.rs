@@ -127,14 +127,17 @@ impl PlaneScene {
         *self.typical_clearance.get_or_init(clearance)
     }
 
+    /// Whether the world is a map: it has a grid, or more than [`MOST_SHAPES_OF_A_FIELD`] shapes.
+    pub fn is_map(&self) -> bool {
+        self.world.grid().is_some() || self.world.obstacles().len() > MOST_SHAPES_OF_A_FIELD
+    }
+
     /// The clearance ε under which a point is penalised: the profile's, and on a map at most the
     /// typical clearance. A map is a world with a grid or more than [`MOST_SHAPES_OF_A_FIELD`]
     /// shapes; on one, the profile's ε would reach through walls into the next passage.
     pub fn epsilon(&self) -> f64 {
-        let is_map =
-            self.world.grid().is_some() || self.world.obstacles().len() > MOST_SHAPES_OF_A_FIELD;
         let epsilon = self.profile.epsilon;
-        if !(is_map && self.profile.fits_epsilon_to_maps) {
+        if !(self.is_map() && self.profile.fits_epsilon_to_maps) {
             return epsilon;
         }
         match self.typical_clearance() {

@@ -1,6 +1,8 @@
 //! A trajectory: a sequence of configurations joined by straight segments, of any number of coordinates.
 
 mod action;
+mod bends;
+pub mod driving;
 pub mod timing;
 mod violation;
 pub mod waypoints;

@@ -8,7 +8,7 @@
 //! in turns, so that neither starves in a narrow pocket.
 
 mod lanes;
-mod shortcut;
+pub mod shortcut;
 mod tree;
 
 pub use shortcut::shortcut;

@@ -69,7 +69,7 @@ fn place(dof: usize, points: &[f64], mut along: f64, out: &mut [f64]) -> usize {
 }
 
 /// From each configuration, goes straight on to the last one that it sees. Returns the number of checks.
-fn remove_vertices(
+pub fn remove_vertices(
     dof: usize,
     points: &mut Vec<f64>,
     is_free: &impl Fn(&[f64], &[f64]) -> bool,
