@@ -12,7 +12,9 @@
 
 mod arguments;
 mod bench;
+mod bends;
 mod completions;
+mod driving;
 mod experiment;
 mod failure;
 mod generate;
@@ -27,7 +29,9 @@ mod plan;
 mod planners;
 mod planning;
 mod robots;
+mod serve;
 mod shortest;
+mod smooth;
 mod source;
 mod table;
 mod threads;
@@ -76,6 +80,10 @@ struct Global {
 enum Verb {
     /// Plan one task and certify the plan
     Plan(Box<plan::PlanArgs>),
+    /// Smooth and certify a path that something else made
+    Smooth(smooth::SmoothArgs),
+    /// Answer requests about one map, a line of JSON each
+    Serve(serve::ServeArgs),
     /// Write the tasks of a suite to a file
     Generate(generate::GenerateArgs),
     /// Measure planners on suites or task files
@@ -136,6 +144,8 @@ fn run(cli: Cli) -> Result<u8, Failure> {
     let done = |()| 0;
     match cli.verb {
         Verb::Plan(args) => plan::run(&args, global),
+        Verb::Smooth(args) => smooth::run(&args, global),
+        Verb::Serve(args) => serve::run(&args, global).map(done),
         Verb::Generate(args) => generate::run(&args, global).map(done),
         Verb::Bench(args) => bench::run(&args, global).map(done),
         Verb::Table(args) => table::run(&args, global).map(done),

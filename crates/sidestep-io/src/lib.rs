@@ -6,6 +6,7 @@
 pub mod arm_page;
 pub mod benchmarks;
 pub mod drawing;
+pub mod drive;
 mod error;
 pub mod input;
 pub mod joint_trajectory;

@@ -20,6 +20,8 @@ pub struct PlanDocument {
     pub status: &'static str,
     /// In words where not solved.
     pub reason: String,
+    /// What nav2's planner action would answer: 0, or a code from 203 to 208.
+    pub nav2_error_code: u16,
     /// The task's name.
     pub task: String,
     /// The planner's name as it was given.
@@ -36,6 +38,13 @@ pub struct PlanDocument {
     pub optimal_length: Option<f64>,
     /// Least distance of the robot's body to obstacles and bounds, of a solved plan.
     pub clearance: Option<f64>,
+    /// The sharpest turn between two segments of a solved plan, in degrees from 0 to 180.
+    pub sharpest_turn_deg: Option<f64>,
+    /// The least radius of arcs that round its corners, each touching both segments no further away than half the
+    /// shorter one, in task units; none for a straight line.
+    pub turning_radius: Option<f64>,
+    /// Sum of squared second differences of 64 points spread evenly along a solved plan.
+    pub roughness: Option<f64>,
     /// Whether the exact certificate passed the waypoints.
     pub certified: bool,
     /// What to know about how the task was read.
@@ -74,8 +83,13 @@ impl PlanDocument {
     /// the trace that holds such, all waypoints, or the field.
     pub fn to_json(&self) -> String {
         let mut document = self.clone();
-        let Self { length, optimal_length, clearance, waypoints, trace, .. } = &mut document;
-        for value in [length, optimal_length, clearance] {
+        let Self { length, optimal_length, clearance, sharpest_turn_deg, .. } = &mut document;
+        let known = [length, optimal_length, clearance, sharpest_turn_deg];
+        for value in known {
+            *value = value.filter(|value| value.is_finite());
+        }
+        let Self { turning_radius, roughness, waypoints, trace, .. } = &mut document;
+        for value in [turning_radius, roughness] {
             *value = value.filter(|value| value.is_finite());
         }
         if !is_finite(waypoints) {
@@ -154,6 +168,7 @@ mod tests {
         PlanDocument {
             status: "unsolved",
             reason: "500 steps".into(),
+            nav2_error_code: 208,
             task: "two \"walls\"".into(),
             planner: "gd".into(),
             origin: None,
@@ -162,6 +177,9 @@ mod tests {
             length: Some(f64::INFINITY),
             optimal_length: None,
             clearance: Some(f64::NAN),
+            sharpest_turn_deg: Some(3.0),
+            turning_radius: Some(f64::INFINITY),
+            roughness: Some(0.5),
             certified: false,
             warnings: vec![],
             joints: None,

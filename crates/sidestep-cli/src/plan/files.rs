@@ -5,6 +5,7 @@ use std::path::Path;
 use sidestep_io::plan_json::PlanDocument;
 
 use super::PlanArgs;
+use crate::driving::FORMATS;
 use crate::failure::Failure;
 use crate::output::{self, Output};
 use crate::planning::policy_file;
@@ -18,7 +19,7 @@ pub fn check(args: &PlanArgs, compared: &[String]) -> Result<(), Failure> {
         return Err(Failure::at("--compare", need));
     }
     let formats: [(_, _, &[&str]); 5] = [
-        ("--out", &args.out, &["json", "csv"]),
+        ("--out", &args.out, &FORMATS),
         ("--trajectory", &args.trajectory, &["yaml", "yml", "json", "csv"]),
         ("--html", &args.html, &["html", "htm"]),
         ("--png", &args.png, &["png"]),

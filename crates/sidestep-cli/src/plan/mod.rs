@@ -7,20 +7,24 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use sidestep::objective::Objective;
 use sidestep::plan::run::Iteration;
-use sidestep::plan::{Plan, Planner, Status, Stop, Watch, plan_in};
+use sidestep::plan::{Plan, Planner, Status, Stop, Watch, Wishes, plan_in};
 use sidestep::plane::explain;
 use sidestep::scene::Query;
 use sidestep::{InvalidInput, Obstacle, Setting, Task, Trajectory, arm};
+use sidestep_io::drive::nav2_error_code;
 use sidestep_io::input::Question;
 use sidestep_io::plan_json::{self, PlanDocument, TraceStep};
 
 use crate::Global;
+use crate::bends::{BendArgs, broken};
+use crate::driving::DriveArgs;
 use crate::failure::Failure;
 use crate::input::{self, Configuration, Input, InputArgs, parse_configuration};
 use crate::obstacle::{parse_obstacle, with_obstacles};
 use crate::output;
 use crate::planning::{PlanningArgs, planner, planner_names};
 use crate::robots::tasks;
+use crate::smooth::read_path;
 
 mod controller;
 mod draw;
@@ -79,10 +83,18 @@ pub struct PlanArgs {
     /// larger, in task units
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, help_heading = "Task")]
     margin: f64,
+    /// Round the plan's corners off, whatever the planner (`auto` does it anyway), certified at every move
+    #[arg(long, help_heading = "Planner")]
+    polish: bool,
+    #[command(flatten, next_help_heading = "Planner")]
+    bends: BendArgs,
     /// Start from the waypoints of this plan (a file that `plan --out` wrote)
     #[arg(long, help_heading = "Planner")]
     warm_start: Option<PathBuf>,
-    /// Write the result here: .json, or .csv for the plan's points alone
+    #[command(flatten, next_help_heading = "Output")]
+    driving: DriveArgs,
+    /// Write the result here: .json, .csv (x,y,yaw,t,v,kappa), .yaml (nav_msgs/Path), .geojson or .mcap (ROS 2
+    /// messages, with --trace the iterates too)
     #[arg(long, help_heading = "Output")]
     out: Option<PathBuf>,
     /// Write here when a robot with joints is where along the plan: a ROS JointTrajectory as .yaml or .json, or .csv
@@ -116,8 +128,13 @@ pub struct PlanArgs {
 
 /// Plans, prints and draws.
 pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
+    args.bends.check()?;
+    args.driving.check()?;
     let (task, warnings) = asked(args)?;
     let task = with_obstacles(task, &args.obstacle)?;
+    if let (Some(out), Err(_)) = (&args.out, task.plane()) {
+        output::check_suffix(("--out", out), &["json", "csv"])?;
+    }
     let planner = planner(&args.planner)?;
     let compared = planner_names(&args.compare);
     let others: Vec<Planner> = compared
@@ -138,8 +155,16 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
     if let Some(path) = &args.html {
         page::write(args, path, &task, &attempt)?;
     }
-    let answer = PlanDocument { warnings, ..answer(args, &task, attempt) };
-    let written = args.out.as_ref().map_or(Ok(()), |path| files::write(path, &answer));
+    let mut answer = answer(args, &task, attempt);
+    let told = warnings.len();
+    answer.warnings.splice(0..0, warnings);
+    let written = args.out.as_ref().map_or(Ok(()), |path| match task.plane() {
+        Ok(plane) => args.driving.write(path, &answer, plane.world),
+        Err(_) => files::write(path, &answer),
+    });
+    if let Some(broken) = answer.warnings.last().filter(|_| answer.warnings.len() > told) {
+        output::tell(&format!("warning: {broken}"));
+    }
     if global.json {
         output::print(&answer.to_json())?;
     } else {
@@ -222,6 +247,7 @@ fn attempt(
     let extent = task.plane().ok().map(|task| task.world.bounds().extent());
     let mut options = args.planning.options(extent, &[planner])?;
     options.prove = true;
+    options.wishes = args.bends.wishes().or_else(|| args.polish.then(Wishes::default));
     if args.best || args.budget_ms.is_some() {
         options.stop = Stop::Best;
     }
@@ -289,6 +315,7 @@ fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> PlanDocument {
     PlanDocument {
         status: plan.status.name(),
         reason: reason(args, task, &query, &plan),
+        nav2_error_code: nav2_error_code(&plan.status),
         task: task.name.clone(),
         planner,
         origin: certified.map(|_| plan.origin.to_string()),
@@ -297,8 +324,16 @@ fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> PlanDocument {
         length: certified.map(Trajectory::length),
         optimal_length: certified.and_then(|_| optimal()),
         clearance: certified.map(|path| query.scene().clearance(path)),
+        sharpest_turn_deg: certified.map(|path| path.sharpest_turn().to_degrees()),
+        turning_radius: certified.map(Trajectory::turning_radius),
+        roughness: certified.map(Trajectory::roughness),
         certified: certified.is_some(),
-        warnings: Vec::new(),
+        warnings: args
+            .bends
+            .wishes()
+            .and_then(|wishes| broken(&wishes, certified?))
+            .into_iter()
+            .collect(),
         joints: query.scene().arm().map(|scene| joint_names(scene.arm())),
         waypoints: plan.trajectory().map_or_else(Vec::new, rows),
         trace: args.trace.then_some(trace),
@@ -356,7 +391,13 @@ fn describe(answer: &PlanDocument) -> String {
             true => format!("clearance {clearance:.3}"),
             false => "nothing around".into(),
         };
-        text += &format!("length {length:.3}{over}, {clearance}\n");
+        text += &format!("length {length:.3}{over}, {clearance}");
+        let turn = answer.sharpest_turn_deg.unwrap_or(0.0);
+        text += &match answer.turning_radius.filter(|radius| radius.is_finite()) {
+            Some(_) if answer.joints.is_some() => "\n".into(),
+            Some(radius) => format!(", sharpest corner {turn:.0} degrees, radius {radius:.3}\n"),
+            None => ", straight\n".into(),
+        };
         text += &format!("{} points, certified free of collision\n", answer.waypoints.len());
     }
     text
@@ -364,6 +405,10 @@ fn describe(answer: &PlanDocument) -> String {
 
 /// The waypoints of a plan file.
 fn read_waypoints(path: &std::path::Path, dof: usize) -> Result<Trajectory, Failure> {
+    let is_table = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("csv"));
+    if is_table && dof == 2 {
+        return Ok(Trajectory::from_points(&read_path(path)?));
+    }
     plan_json::read_waypoints(&input::read_text(path)?, dof)
         .map_err(|error| Failure::file(path, error))
 }

@@ -10,12 +10,14 @@ mod cases;
 #[cfg(unix)]
 mod crash;
 mod determinism;
+mod drive;
 mod files;
 mod generate;
 mod generate_arms;
 mod mistakes;
 mod plan;
 mod robot;
+mod serve;
 mod table;
 mod train;
 mod worlds;

@@ -73,9 +73,6 @@ fn the_suffix_decides_the_format() {
     let folder = folder();
     check(folder.path(), "plan block.json --out plan.csv", 0, &["solved"]);
     let csv = fs::read_to_string(folder.path().join("plan.csv")).unwrap();
-    let answer = check(folder.path(), "plan block.json --json", 0, &[]).json();
-    let points = answer["waypoints"].as_array().unwrap();
-    let lines: Vec<&str> = csv.lines().collect();
-    assert_eq!((lines[0], lines[1]), ("x,y", "1,1"));
-    assert_eq!(lines.len(), points.len() + 1);
+    assert!(csv.starts_with("x,y,yaw,t,v,kappa\n1,1,"), "{csv}");
+    assert!(csv.lines().last().unwrap().starts_with("9,9,"), "{csv}");
 }

@@ -1,0 +1,272 @@
+//! One client: its obstacles, its last plan, and the answers to its requests in order.
+//!
+//! A thread reads ahead, so that `cancel` is seen while a plan is made; at most [`WAITING`] requests wait.
+
+use std::collections::BTreeMap;
+use std::io::{BufRead, Write};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use sidestep::plan::run::Iteration;
+use sidestep::plan::{Options, Planner, Status, Stop, Watch, Wishes, plan_in};
+use sidestep::plane::geometry::Point;
+use sidestep::plane::{explain, points};
+use sidestep::scene::{Query, Scene};
+use sidestep::trajectory::driving::{DrivingLimits, drive, spaced};
+use sidestep::{Obstacle, Profile, Setting, Task, Trajectory, World};
+use sidestep_io::drive::nav2_error_code;
+
+use super::Base;
+use super::lines::{Line, MOST_BYTES, next};
+use super::request::Request;
+use crate::obstacle::parse_obstacle;
+
+/// Requests that are read ahead.
+const WAITING: usize = 64;
+/// Most poses of an answer.
+const MOST_POSES: usize = 10_000;
+/// Most obstacles of a client.
+const MOST_OBSTACLES: usize = 10_000;
+
+/// Answers requests until the input ends or nobody hears the answers.
+pub fn session(mut reader: impl BufRead, writer: impl Write + Send, base: &Base) {
+    let writer = Mutex::new(writer);
+    // Plans are numbered as they are read; all up to this one are cancelled.
+    let (cancelled, read) = (AtomicU64::new(0), AtomicU64::new(0));
+    let (sender, receiver) = sync_channel::<(u64, Result<Request, String>)>(WAITING);
+    std::thread::scope(|scope| {
+        let (writer, cancelled) = (&writer, &cancelled);
+        scope.spawn(move || Client::new(base).answer_all(&receiver, writer, cancelled));
+        read_all(&mut reader, &sender, cancelled, &read);
+        drop(sender);
+    });
+}
+
+fn read_all(
+    reader: &mut impl BufRead,
+    sender: &SyncSender<(u64, Result<Request, String>)>,
+    cancelled: &AtomicU64,
+    read: &AtomicU64,
+) {
+    while let Ok(Some(line)) = next(reader) {
+        let request = match line {
+            Line::TooLong => Err(format!("a request has at most {MOST_BYTES} bytes")),
+            Line::Text(text) if text.trim_ascii().is_empty() => continue,
+            Line::Text(text) => serde_json::from_slice(&text).map_err(|error| error.to_string()),
+        };
+        let number = read.fetch_add(1, Ordering::Relaxed) + 1;
+        if matches!(request, Ok(Request::Cancel { .. })) {
+            cancelled.store(number, Ordering::Relaxed);
+        }
+        if sender.send((number, request)).is_err() {
+            break;
+        }
+    }
+}
+
+struct Client<'a> {
+    base: &'a Base,
+    obstacles: BTreeMap<String, Obstacle>,
+    /// The scene of the map with the obstacles, until one of them changes.
+    scene: Option<(Arc<Scene>, Setting, Arc<World>)>,
+    last: Option<Trajectory>,
+}
+
+impl<'a> Client<'a> {
+    fn new(base: &'a Base) -> Self {
+        Self { base, obstacles: BTreeMap::new(), scene: None, last: None }
+    }
+
+    fn answer_all(
+        &mut self,
+        requests: &Receiver<(u64, Result<Request, String>)>,
+        writer: &Mutex<impl Write + Send>,
+        cancelled: &AtomicU64,
+    ) {
+        for (number, request) in requests {
+            let go_on = || cancelled.load(Ordering::Relaxed) < number;
+            let (id, answer) = match request {
+                Ok(request) => self.answer(request, writer, &go_on),
+                Err(error) => (Value::Null, Err(error)),
+            };
+            let mut line = match answer {
+                Ok(answer) => answer,
+                Err(error) => json!({ "ok": false, "error": error }),
+            };
+            line["id"] = id;
+            if !say(writer, &line) {
+                return;
+            }
+        }
+    }
+
+    fn answer(
+        &mut self,
+        request: Request,
+        writer: &Mutex<impl Write + Send>,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> (Value, Result<Value, String>) {
+        match request {
+            Request::Set { id, name, obstacle } => (id, self.set(name, &obstacle)),
+            Request::Remove { id, name } => {
+                let removed = self.obstacles.remove(&name).is_some();
+                self.scene = None;
+                let unknown = || format!("there is no obstacle named {name:?}");
+                (id, if removed { Ok(json!({ "ok": true })) } else { Err(unknown()) })
+            }
+            Request::Clear { id } => {
+                self.obstacles.clear();
+                self.scene = None;
+                (id, Ok(json!({ "ok": true })))
+            }
+            Request::Cancel { id } => (id, Ok(json!({ "ok": true }))),
+            Request::Info { id } => {
+                let bounds = self.base.world.bounds();
+                let answer = json!({
+                    "ok": true,
+                    "bounds": [bounds.min, bounds.max],
+                    "robot_radius": self.base.robot.radius(),
+                    "margin": self.base.margin,
+                    "obstacles": self.obstacles.keys().collect::<Vec<_>>(),
+                });
+                (id, Ok(answer))
+            }
+            Request::Plan { ref id, .. } => {
+                let id = id.clone();
+                let see = |waypoints: &[Point], index: usize| {
+                    say(writer, &json!({ "id": id, "iterate": index, "waypoints": waypoints }));
+                };
+                let answer = self.plan(&request, &see, go_on);
+                (id, answer)
+            }
+        }
+    }
+
+    fn set(&mut self, name: String, obstacle: &str) -> Result<Value, String> {
+        if self.obstacles.len() >= MOST_OBSTACLES && !self.obstacles.contains_key(&name) {
+            return Err(format!("a client has at most {MOST_OBSTACLES} obstacles"));
+        }
+        let obstacle = parse_obstacle(obstacle)?;
+        let moved = self.obstacles.insert(name, obstacle).is_some();
+        self.scene = None;
+        Ok(json!({ "ok": true, "moved": moved }))
+    }
+
+    /// The scene of the map with the client's obstacles.
+    fn scene(&mut self) -> Result<(Arc<Scene>, Setting, Arc<World>), String> {
+        if let Some(scene) = &self.scene {
+            return Ok(scene.clone());
+        }
+        let base = &self.base.world;
+        let world = if self.obstacles.is_empty() {
+            base.clone()
+        } else {
+            let every = base.obstacles().iter().chain(self.obstacles.values()).cloned().collect();
+            Arc::new(World::new(base.bounds(), every, base.grid().cloned()))
+        };
+        let end = world.bounds().min;
+        let task = Task::in_plane("", world.clone(), self.base.robot, end, end);
+        let task = task.and_then(|task| task.with_margin(self.base.margin));
+        let setting = task.map_err(|error| error.to_string())?.setting;
+        let scene = Arc::new(Scene::new(&setting, &Profile::DEFAULT));
+        Ok(self.scene.insert((scene, setting, world)).clone())
+    }
+
+    fn plan(
+        &mut self,
+        request: &Request,
+        see: &(dyn Fn(&[Point], usize) + Sync),
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Value, String> {
+        let Request::Plan {
+            start,
+            goal,
+            budget_ms,
+            planner,
+            warm,
+            stream,
+            max_turn,
+            min_radius,
+            ..
+        } = request
+        else {
+            return Err("not a plan".into());
+        };
+        let begin = Instant::now();
+        let words = |error: sidestep::InvalidInput| error.to_string();
+        let budget = match budget_ms {
+            Some(ms) if !(*ms > 0.0 && *ms <= 1e9) => {
+                return Err(format!("budget_ms: {ms} is not above 0 and at most 1e9"));
+            }
+            ms => ms.map(|ms| Duration::from_secs_f64(ms / 1e3)),
+        };
+        let planner: Planner = planner.as_deref().unwrap_or("auto").parse().map_err(words)?;
+        let (scene, setting, world) = self.scene()?;
+        let robot = self.base.robot;
+        let own = Task::in_plane("", world, robot, *start, *goal).map_err(words)?;
+        let task = Task { setting, ..own.clone() };
+        let query = Query::new(&scene, &task).map_err(words)?;
+        let wishes = Wishes::default();
+        let wished = max_turn.is_some() || min_radius.is_some();
+        let options = Options {
+            stop: if budget.is_some() { Stop::Best } else { Stop::First },
+            warm_start: self.last.clone().filter(|_| *warm),
+            wishes: wished.then(|| Wishes {
+                turn: max_turn.map_or(wishes.turn, f64::to_radians),
+                radius: min_radius.unwrap_or(wishes.radius),
+            }),
+            prove: budget.is_none(),
+            ..Options::default()
+        };
+        let in_time = || go_on() && budget.is_none_or(|budget| begin.elapsed() < budget);
+        let show = |iteration: &Iteration<'_>| {
+            if *stream {
+                let mut values = vec![0.0; iteration.waypoints.len()];
+                query.scene().to_task(iteration.waypoints, &mut values);
+                see(values.as_chunks::<2>().0, iteration.index);
+            }
+        };
+        let plan = plan_in(&query, &planner, &options, Watch { see: &show, go_on: &in_time })
+            .map_err(words)?;
+        let certified = plan.certified();
+        let limits = DrivingLimits::default();
+        let poses = certified
+            .map(|path| drive(points(&spaced(path, limits.spacing(), MOST_POSES)), &limits))
+            .transpose()
+            .map_err(words)?;
+        let poses = poses.map(|poses| {
+            let row = |p: &sidestep::trajectory::driving::Pose| {
+                [p.position[0], p.position[1], p.yaw, p.time, p.speed, p.curvature]
+            };
+            poses.iter().map(row).collect::<Vec<_>>()
+        });
+        let reason = match (&plan.status, own.plane()) {
+            (Status::Invalid(violation), Ok(task)) => explain(&task, self.base.margin, violation),
+            (status, _) => status.reason(),
+        };
+        let answer = json!({
+            "ok": true,
+            "status": plan.status.name(),
+            "reason": reason,
+            "nav2_error_code": nav2_error_code(&plan.status),
+            "origin": certified.map(|_| plan.origin.to_string()),
+            "length": certified.map(Trajectory::length),
+            "sharpest_turn_deg": certified.map(|path| path.sharpest_turn().to_degrees()),
+            "time_us": begin.elapsed().as_secs_f64() * 1e6,
+            "poses": poses.unwrap_or_default(),
+        });
+        if certified.is_some() {
+            self.last = certified.cloned();
+        }
+        Ok(answer)
+    }
+}
+
+/// Writes a line; whether anybody hears.
+fn say(writer: &Mutex<impl Write>, line: &Value) -> bool {
+    let Ok(mut writer) = writer.lock() else { return false };
+    writer.write_all(format!("{line}\n").as_bytes()).and_then(|()| writer.flush()).is_ok()
+}
