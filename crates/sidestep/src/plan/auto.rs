@@ -29,7 +29,7 @@ use crate::trajectory::{Trajectory, distance};
 
 /// A plan may be this many times as long as the shortest path.
 pub const LONGEST: f64 = 1.2;
-/// On a map, a warm start that is still free is kept where it is at most this many times as long as the shortest path; elsewhere
+/// Where the best is asked for on a map, a warm start that is still free is kept if it is at most this many times as long as the shortest path; elsewhere
 /// [`LONGEST`] times.
 const LONGEST_WARM: f64 = 1.05;
 /// Steps of the quick optimizer: after so many, the exact path made smooth takes less time than going on.
@@ -94,7 +94,9 @@ impl Auto {
             let short = |shortest: f64| {
                 plan.certified().is_some_and(|path| path.length() <= longest * shortest)
             };
-            if short(distance(start, goal)) {
+            // On a map the search costs far more than the check: who wants to know whether there is a shorter way by now asks for
+            // the best.
+            if short(distance(start, goal)) || on_map && options.stop == Stop::First {
                 return Ok(plan);
             }
             let exact = shortest(query, watch);
