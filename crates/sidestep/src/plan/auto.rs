@@ -29,8 +29,8 @@ use crate::trajectory::{Trajectory, distance};
 
 /// A plan may be this many times as long as the shortest path.
 pub const LONGEST: f64 = 1.2;
-/// Where the best is asked for on a map, a warm start that is still free is kept if it is at most this many times as long as the shortest path; elsewhere
-/// [`LONGEST`] times.
+/// Where the best is asked for on a map, a warm start that is still free is kept if it is at most
+/// this many times as long as the shortest path; elsewhere [`LONGEST`] times.
 const LONGEST_WARM: f64 = 1.05;
 /// Steps of the quick optimizer: after so many, the exact path made smooth takes less time than going on.
 const QUICK_STEPS: usize = 24;
