@@ -12,10 +12,10 @@ use rayon::prelude::*;
 use sidestep::optimizer::Method;
 use sidestep::plan::{Auto, Options, Plan, Planner, Watch, by_setting, plan_in};
 use sidestep::scene::{Query, Scene};
-use sidestep::{InvalidInput, Task, Trajectory};
+use sidestep::{InvalidInput, Status, Task, Trajectory, arm};
 
 use super::iterates::{Walk, every_iterate};
-use super::report::Row;
+use super::report::{Failed, Row};
 use super::statistics::{mean, quantile, student_interval, wilson_interval};
 use super::timing::{times, us_per_iteration};
 use crate::failure::Failure;
@@ -87,6 +87,11 @@ pub fn row(
     };
     let mut times = times(sets, planner, options, timed)?;
     let share = |count: usize| count as f64 / tasks as f64;
+    let jointed = sets.iter().flat_map(|set| &set.tasks).all(|task| task.plane().is_err());
+    let plans = || outcomes.iter().flatten();
+    let invalid = plans().filter(|plan| matches!(plan.status, Status::Invalid(_))).count();
+    let lengths: Vec<f64> = plans().filter_map(Plan::certified).map(Trajectory::length).collect();
+    let failures = if jointed { failures(sets, &outcomes, options) } else { Vec::new() };
     Ok(Row {
         planner: name.into(),
         suite: suite.into(),
@@ -113,9 +118,30 @@ pub fn row(
         us_per_plan_median: quantile(&mut times.plans, 0.5),
         us_per_plan_p95: quantile(&mut times.plans, 0.95),
         us_per_world_median: quantile(&mut times.worlds, 0.5),
+        invalid: jointed.then_some(invalid),
+        length_mean: mean(&lengths).filter(|_| jointed),
+        failures,
         length_ratio_median: quantile(&mut ratios, 0.5),
         roughness_median: quantile(&mut roughness, 0.5),
     })
+}
+
+/// The tasks without a certified plan, and why.
+fn failures(sets: &[TaskSet], outcomes: &[Vec<Plan>], options: &Options) -> Vec<Failed> {
+    let tasks = sets.iter().flat_map(|set| &set.tasks);
+    let failed = tasks.zip(outcomes.iter().flatten()).filter(|(_, plan)| !plan.is_solved());
+    failed
+        .map(|(task, plan)| {
+            let query = Query::of(task, &options.profile);
+            let reason = match (&plan.status, query.scene().arm()) {
+                (Status::Invalid(violation), Some(scene)) => {
+                    arm::explain_ends(scene, [query.start(), query.goal()], violation)
+                }
+                (status, _) => status.reason(),
+            };
+            Failed { task: task.name.clone(), status: plan.status.name().into(), reason }
+        })
+        .collect()
 }
 
 /// A digit for each plan: whether it is solved.

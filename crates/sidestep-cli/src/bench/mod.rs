@@ -63,7 +63,7 @@ pub struct BenchArgs {
     /// Take the tasks of --limit evenly from the whole file
     #[arg(long, requires = "limit", help_heading = "Tasks")]
     spread: bool,
-    /// A row for each file instead of one over all
+    /// A row for each file, or of problems for each set (`cage` of `cage/12`), instead of one over all
     #[arg(long, requires = "tasks", help_heading = "Tasks")]
     by_file: bool,
     #[command(flatten, next_help_heading = "Tasks")]
@@ -185,9 +185,14 @@ fn task_groups(args: &BenchArgs, global: &Global) -> Result<Groups, Failure> {
                 let tasks = input::read(&path, &args.from, question)?.tasks;
                 let label =
                     path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into());
-                Ok((label, selection(tasks, args)))
+                let tasks = selection(tasks, args);
+                Ok(if args.by_file { by_set(label, tasks) } else { vec![(label, tasks)] })
             };
-            files(&args.tasks).into_iter().map(read).collect::<Result<_, Failure>>()?
+            files(&args.tasks)
+                .into_iter()
+                .map(read)
+                .collect::<Result<Vec<Groups>, Failure>>()?
+                .concat()
         }
     };
     if groups.is_empty() || groups.iter().any(|(_, tasks)| tasks.is_empty()) {
@@ -196,6 +201,23 @@ fn task_groups(args: &BenchArgs, global: &Global) -> Result<Groups, Failure> {
         ));
     }
     Ok(groups)
+}
+
+/// The tasks of a file by the set that their names begin with, if they are of robots with joints and of several.
+fn by_set(label: String, tasks: Vec<Task>) -> Groups {
+    let set = |task: &Task| task.name.split_once('/').map(|(set, _)| set.to_owned());
+    let mut sets: Groups = Vec::new();
+    for task in &tasks {
+        let Some(name) = set(task).filter(|_| task.plane().is_err()) else {
+            return vec![(label, tasks)];
+        };
+        let name = format!("{label}: {name}");
+        match sets.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, of_set)) => of_set.push(task.clone()),
+            None => sets.push((name, vec![task.clone()])),
+        }
+    }
+    if sets.len() > 1 { sets } else { vec![(label, tasks)] }
 }
 
 /// Checks the number of tasks of a suite, over all seeds.

@@ -39,6 +39,17 @@ pub struct Settings {
     pub planning_seed: u64,
 }
 
+/// A task without a certified plan.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Failed {
+    /// The task's name.
+    pub task: String,
+    /// `unsolved`, `unsolvable` or `invalid`.
+    pub status: String,
+    /// Why, in words.
+    pub reason: String,
+}
+
 /// One planner on one set of tasks. Shares are of all tasks unless named otherwise.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Row {
@@ -89,6 +100,15 @@ pub struct Row {
     /// Median microseconds to prepare a world that several tasks share.
     #[serde(default)]
     pub us_per_world_median: Option<f64>,
+    /// Tasks whose start or goal is itself not free; only of robots with joints.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub invalid: Option<usize>,
+    /// Mean length of certified plans in joint space; only of robots with joints, where no optimal length is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_mean: Option<f64>,
+    /// Tasks without a certified plan, and why; only of robots with joints.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub failures: Vec<Failed>,
     /// Median length of certified plans over the optimal length.
     pub length_ratio_median: Option<f64>,
     /// Median sum of squared second differences of certified plans, over the squared optimal length.

@@ -110,7 +110,7 @@ const NOTHING: &str = "-";
 /// A column: its heading and a row's cell.
 type Column = (&'static str, fn(&Row, &Report) -> String);
 
-const COLUMNS: [Column; 15] = [
+const COLUMNS: [Column; 17] = [
     ("planner", |row, _| format!("`{}`", row.planner)),
     ("suite", |row, _| row.suite.clone()),
     ("starts", |row, _| row.starts.to_string()),
@@ -128,6 +128,8 @@ const COLUMNS: [Column; 15] = [
     ("us/plan p50", |row, _| number(row.us_per_plan_median, 1)),
     ("us/plan p95", |row, _| number(row.us_per_plan_p95, 1)),
     ("us/world", |row, _| number(row.us_per_world_median, 0)),
+    ("invalid ends", |row, _| row.invalid.map_or_else(|| NOTHING.into(), |n| n.to_string())),
+    ("length", |row, _| number(row.length_mean, 3)),
     ("length/optimal", |row, _| number(row.length_ratio_median, 3)),
 ];
 

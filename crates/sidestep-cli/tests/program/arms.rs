@@ -123,7 +123,17 @@ fn problems_are_planned_and_measured() {
     for row in report["rows"].as_array().unwrap() {
         assert_eq!((&row["tasks"], &row["certified"]), (&2.into(), &1.0.into()), "{row}");
     }
-    check(folder.path(), "table report.json", 0, &["`auto`", "100.0 ["]);
+    check(folder.path(), "table report.json", 0, &["`auto`", "100.0 [", "length"]);
+    // A row for each set; failures are named with their reason.
+    let sets = "bench --tasks problems.json --by-file --planner gd --steps 0 --timed 0 --json";
+    let report = check(folder.path(), sets, 0, &[]).json();
+    let rows = report["rows"].as_array().unwrap();
+    let names: Vec<&str> = rows.iter().map(|row| row["suite"].as_str().unwrap()).collect();
+    assert_eq!(names, ["problems.json: past", "problems.json: free"]);
+    assert_eq!(rows[0]["failures"][0]["task"], "past/0");
+    assert!(rows[0]["failures"][0]["reason"].as_str().unwrap().contains("collides"), "{}", rows[0]);
+    assert_eq!((&rows[1]["certified"], &rows[1]["invalid"]), (&1.0.into(), &0.into()));
+    assert!(rows[1]["length_mean"].as_f64().unwrap() > 1.0);
 }
 
 #[test]
