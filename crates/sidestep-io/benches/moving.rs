@@ -47,6 +47,7 @@ fn measured(map: &str, moves: usize, radius: f64, margin: f64) -> serde_json::Va
     let world = match read(map, &bytes, &Question::default(), &mut load).unwrap().content {
         Content::Map(world) => world,
         Content::Tasks(tasks) => tasks[0].plane().unwrap().world.clone(),
+        Content::Problems(_) => panic!("{map}: no map"),
     };
     let reach = radius + margin;
     let robot = Robot::disc(reach).unwrap();

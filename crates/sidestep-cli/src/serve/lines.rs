@@ -38,7 +38,7 @@ pub fn next(reader: &mut impl BufRead) -> io::Result<Option<Line>> {
             break;
         }
     }
-    Ok(any.then(|| if too_long { Line::TooLong } else { Line::Text(line) }))
+    Ok(any.then_some(if too_long { Line::TooLong } else { Line::Text(line) }))
 }
 
 #[cfg(test)]
