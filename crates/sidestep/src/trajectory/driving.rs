@@ -85,9 +85,42 @@ pub fn spaced(path: &Trajectory, spacing: f64, most: usize) -> Trajectory {
     Trajectory::new(dof, values)
 }
 
-/// Drives a path of points in the plane, from rest to rest. The heading of a point is that of the circle through it and
-/// its neighbours, the curvature that of the arc which rounds its corner from half the shorter of its segments. Points that repeat
-/// their neighbour are left out.
+/// A place where a path turns.
+struct Corner {
+    /// Where on the path.
+    at: f64,
+    /// How far before and after it the arc that rounds it goes: to the middle of the shorter of its sides.
+    reach: f64,
+    curvature: f64,
+    /// Heading in the corner: the tangent of the circle through it and the corners beside it.
+    yaw: f64,
+}
+
+/// Turns of less than this, in radians, are points along a straight line.
+const STRAIGHT: f64 = 1e-6;
+
+/// The corners of a path by its segments' headings and the lengths up to its points. Points along a straight line, such as
+/// [`spaced`] puts in, are no corners.
+fn corners(headings: &[f64], passed: &[f64]) -> Vec<Corner> {
+    let turn = |i: usize| wrapped(headings[i] - headings[i - 1]);
+    let turning: Vec<usize> = (1..headings.len()).filter(|&i| turn(i).abs() > STRAIGHT).collect();
+    let end = passed.last().copied().unwrap_or_default();
+    (0..turning.len())
+        .map(|k| {
+            let (i, at) = (turning[k], passed[turning[k]]);
+            let before = at - k.checked_sub(1).map_or(0.0, |k| passed[turning[k]]);
+            let after = turning.get(k + 1).map_or(end, |&next| passed[next]) - at;
+            let reach = 0.5 * before.min(after);
+            // The nearer neighbour's side counts for more.
+            let yaw = wrapped(headings[i - 1] + before / (before + after) * turn(i));
+            Corner { at, reach, curvature: (0.5 * turn(i)).tan() / reach, yaw }
+        })
+        .collect()
+}
+
+/// Drives a path of points in the plane, from rest to rest. Corners are driven as the arcs that round them from half the shorter
+/// of their sides: the curvature of a point on such an arc is the arc's, and its heading turns evenly along it. Points
+/// that repeat their neighbour are left out.
 ///
 /// # Errors
 /// If a limit is out of range.
@@ -99,19 +132,30 @@ pub fn drive(points: &[[f64; 2]], limits: &DrivingLimits) -> Result<Vec<Pose>, I
         places.windows(2).map(|p| [p[1][0] - p[0][0], p[1][1] - p[0][1]]).collect();
     let lengths: Vec<f64> = segments.iter().map(|[x, y]| x.hypot(*y)).collect();
     let headings: Vec<f64> = segments.iter().map(|[x, y]| y.atan2(*x)).collect();
+    let mut passed = vec![0.0];
+    for (i, length) in lengths.iter().enumerate() {
+        passed.push(passed[i] + length);
+    }
+    let corners = corners(&headings, &passed);
+    let mut next = 0;
     let mut poses: Vec<Pose> = (0..places.len())
         .map(|i| {
-            let (before, after) = (i.checked_sub(1), Some(i).filter(|&i| i < segments.len()));
-            let (yaw, curvature) = match (before, after) {
-                (Some(a), Some(b)) => {
-                    let turn = wrapped(headings[b] - headings[a]);
-                    // Tangent of the circle: the nearer neighbour's segment counts for more.
-                    let share = lengths[a] / (lengths[a] + lengths[b]);
-                    let half = 0.5 * lengths[a].min(lengths[b]);
-                    (wrapped(headings[a] + share * turn), (0.5 * turn).tan() / half)
+            // A point between two segments of one heading is as well on the one as on the other.
+            let heading = headings.get(i).or(headings.last()).copied().unwrap_or_default();
+            while corners.get(next).is_some_and(|corner| corner.at < passed[i]) {
+                next += 1;
+            }
+            let around = [next.checked_sub(1), Some(next)].into_iter().flatten();
+            let near = around
+                .filter_map(|k| corners.get(k))
+                .find(|corner| (passed[i] - corner.at).abs() <= corner.reach * (1.0 + 1e-9));
+            let (yaw, curvature) = match near {
+                Some(corner) => {
+                    let away = (passed[i] - corner.at).abs() / corner.reach;
+                    let out = wrapped(heading - corner.yaw);
+                    (wrapped(corner.yaw + away * out), corner.curvature)
                 }
-                (Some(only), None) | (None, Some(only)) => (headings[only], 0.0),
-                (None, None) => (0.0, 0.0),
+                None => (heading, 0.0),
             };
             let bound = (limits.lateral_acceleration / curvature.abs()).sqrt();
             Pose { position: places[i], yaw, time: 0.0, speed: limits.speed.min(bound), curvature }
@@ -195,6 +239,28 @@ mod tests {
         }
         check_limits(&poses);
         assert!((poses[200].speed - (0.8f64 * 3.0).sqrt()).abs() < 1e-3);
+    }
+
+    /// A circle of few points, driven at many: no point of it is straight, and none bends more than its arcs.
+    #[test]
+    fn points_between_corners_lie_on_their_arcs() {
+        let place = |i: usize| {
+            let angle = -FRAC_PI_2 + PI * i as f64 / 12.0;
+            [3.0 * angle.cos(), 3.0 * angle.sin()]
+        };
+        let few: Vec<[f64; 2]> = (0..=24).map(place).collect();
+        let many = spaced(&Trajectory::from_points(&few), 0.05, 10_000);
+        let (few, many) =
+            (drive(&few, &LIMITS).unwrap(), drive(crate::plane::points(&many), &LIMITS).unwrap());
+        check_limits(&many);
+        let inner = &many[20..many.len() - 20];
+        assert!(inner.iter().all(|pose| (pose.curvature - few[5].curvature).abs() < 1e-6));
+        // The heading turns as evenly as the circle's tangent, but for what chords leave out.
+        for pair in inner.windows(2) {
+            let turned = wrapped(pair[1].yaw - pair[0].yaw);
+            let way = distance(&pair[0].position, &pair[1].position);
+            assert!((turned / way - 1.0 / 3.0).abs() < 0.02, "{turned} over {way}");
+        }
     }
 
     fn check_limits(poses: &[Pose]) {
