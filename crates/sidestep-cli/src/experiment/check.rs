@@ -230,6 +230,9 @@ mod tests {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
             let text = std::fs::read_to_string(&path).unwrap();
+            // Policies are named from the project's root.
+            let root = concat!("learned:", env!("CARGO_MANIFEST_DIR"), "/../../policies/");
+            let text = text.replace("learned:policies/", root);
             let is_experiment = text.contains("[[measure]]");
             if is_experiment {
                 read(&text).unwrap_or_else(|Failure(words)| panic!("{}: {words}", path.display()));

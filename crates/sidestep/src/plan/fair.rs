@@ -12,8 +12,8 @@
 //! Corners that stay sharper than wished are faired again with more points, then, because there may be no room for
 //! so wide a bend, at half the length l, and so on; of all rounds the one counts that comes nearest to the wishes.
 
-use crate::plan::opened::opened;
 use crate::plan::polish::Wishes;
+use crate::plane::opened;
 use crate::trajectory::{Trajectory, distance};
 
 /// Points to each length l around a corner, in turn: few points find the shape, many make it fine.

@@ -10,7 +10,6 @@ mod auto;
 mod exact;
 pub mod fair;
 mod jointed;
-mod opened;
 mod optimize;
 mod options;
 pub(crate) mod parallel;

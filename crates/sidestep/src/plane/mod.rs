@@ -8,6 +8,7 @@ pub mod distance;
 mod explain;
 mod frame;
 pub mod geometry;
+mod opened;
 mod robot;
 mod sampled_check;
 mod scene;
@@ -19,6 +20,7 @@ pub mod world;
 
 pub use explain::explain;
 pub use frame::Frame;
+pub(crate) use opened::opened;
 pub use robot::Robot;
 pub use scene::{MOST_SHAPES_OF_A_FIELD, PlaneScene, Subject};
 pub use task::PlaneTask;
