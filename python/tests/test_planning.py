@@ -198,7 +198,9 @@ def test_the_interpreter_is_free_while_rust_works():
 
 def test_ctrl_c_ends_a_plan():
     code = (
-        "import sidestep, time\n"
+        "import sidestep, signal\n"
+        # A shell that runs in the background lets its children ignore it.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "task = sidestep.Task(((0, 0), (10, 10)), (1, 1), (9, 9), rects=[(2, 0.5, 8, 9.5)])\n"
         "print('ready', flush=True)\n"
         "try:\n"

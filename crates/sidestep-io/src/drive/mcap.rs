@@ -1,4 +1,4 @@
-//! A plan as an MCAP file (https://mcap.dev/spec, version 0) with ROS 2 messages: `/map`, `/iterates` and `/plan`.
+//! A plan as an MCAP file (<https://mcap.dev/spec>, version 0) with ROS 2 messages: `/map`, `/iterates` and `/plan`.
 //!
 //! One chunk without compression, with the indexes that readers seek by. Checksums are 0: not there.
 

@@ -40,7 +40,7 @@ pub struct Options {
     pub index: u64,
     /// A trajectory to start from instead of the straight line.
     pub warm_start: Option<Trajectory>,
-    /// What is wished of the plan's bends: whatever the planner, its plan is polished to keep them ([`crate::plan::polish`]).
+    /// What is wished of the plan's bends: whatever the planner, its plan is polished to keep them ([`crate::plan::polish()`]).
     /// Where none, only `auto` polishes, with [`Wishes::default`].
     pub wishes: Option<Wishes>,
     /// Whether a failed search is followed by one for a proof that there is no path.
