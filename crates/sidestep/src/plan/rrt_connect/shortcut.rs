@@ -21,7 +21,21 @@ pub fn shortcut(
     rounds: usize,
     rng: &mut ChaCha8Rng,
 ) -> usize {
-    let dof = path.dof();
+    // Two coordinates have a copy of their own, whose loops the compiler unrolls.
+    match path.dof() {
+        2 => shortcut_in(2, path, is_free, rounds, rng),
+        dof => shortcut_in(dof, path, is_free, rounds, rng),
+    }
+}
+
+#[inline(always)]
+fn shortcut_in(
+    dof: usize,
+    path: &mut Trajectory,
+    is_free: impl Fn(&[f64], &[f64]) -> bool,
+    rounds: usize,
+    rng: &mut ChaCha8Rng,
+) -> usize {
     let mut points = path.values().to_vec();
     let mut checks = remove_vertices(dof, &mut points, &is_free);
     // Two places on the path, one after the other.
@@ -51,6 +65,7 @@ pub fn shortcut(
 }
 
 /// The segment at a length along the path `points [.. x dof]`; the configuration there is written to `out`.
+#[inline(always)]
 fn place(dof: usize, points: &[f64], mut along: f64, out: &mut [f64]) -> usize {
     let at = |i: usize| &points[i * dof..][..dof];
     let last = points.len() / dof - 2;
@@ -69,6 +84,7 @@ fn place(dof: usize, points: &[f64], mut along: f64, out: &mut [f64]) -> usize {
 }
 
 /// From each configuration, goes straight on to the last one that it sees. Returns the number of checks.
+#[inline(always)]
 pub fn remove_vertices(
     dof: usize,
     points: &mut Vec<f64>,
