@@ -90,7 +90,8 @@ fn jpeg(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(|error| broken(&error))?;
     let (width, height) = decoder.dimensions().ok_or_else(|| broken(&"it has no size"))?;
-    let most = most_cells(bytes.len());
+    // A block of 64 pixels takes a bit at least.
+    let most = most_cells(bytes.len()).min(bytes.len().saturating_mul(8 * 64));
     if width.saturating_mul(height) > most {
         let found = format!("{width} x {height} pixels in {} bytes", bytes.len());
         return Err(FormatError::new(

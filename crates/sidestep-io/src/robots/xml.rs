@@ -4,7 +4,7 @@
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-use crate::error::{FormatError, Place, quoted};
+use crate::error::{FormatError, Place, plain_or_quoted, quoted};
 
 /// Most nodes of a document; a robot of 10,000 links has about 300,000.
 const MOST_NODES: u32 = 4_000_000;
@@ -30,7 +30,7 @@ pub(super) fn parse<'a>(
     })?;
     let element = document.root_element();
     if element.tag_name().name() != root {
-        let found = format!("<{}>", element.tag_name().name());
+        let found = format!("<{}>", plain_or_quoted(element.tag_name().name()));
         let element = Element { format, node: element };
         return Err(element.wrong(found, format!("<{root}> around everything")));
     }
@@ -190,7 +190,7 @@ impl<'a> Element<'a> {
             }
             let name =
                 node.attribute("name").map_or(String::new(), |name| format!(" {}", quoted(name)));
-            words.push(format!("{}{name}", node.tag_name().name()));
+            words.push(format!("{}{name}", plain_or_quoted(node.tag_name().name())));
         }
         words.reverse();
         words.join(" ")
