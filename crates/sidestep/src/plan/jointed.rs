@@ -20,6 +20,8 @@ const STEPS: usize = 12;
 const MEMORY: usize = 7;
 /// Random short cuts on a path.
 const SHORT_CUTS: usize = 32;
+/// Samples of the trees: what a narrow passage needs. Most problems need a few hundred, a few per cent more than 20,000.
+const SAMPLES: usize = 1_000_000;
 
 /// Plans where the straight line is not free.
 pub(super) fn plan(
@@ -43,15 +45,17 @@ pub(super) fn plan(
         (Stop::First, false) => 1,
         (Stop::Best, _) => options.starts,
     };
-    let planner = RrtConnect { shortcut_rounds: SHORT_CUTS, ..RrtConnect::default() };
-    let mut spent = 0;
+    let planner =
+        RrtConnect { shortcut_rounds: SHORT_CUTS, max_samples: SAMPLES, ..RrtConnect::default() };
+    let (mut spent, mut broken_off) = (0, false);
     for run in 0..trees {
         if run > 0 && !(watch.go_on)() {
             break;
         }
         let mut rng = stream(options.seed, Purpose::Planner, options.index, 1 + run as u64);
-        let RrtRun { trajectory, samples, .. } = planner.plan(query, &mut rng);
+        let RrtRun { trajectory, samples, .. } = planner.plan_while(query, &mut rng, watch.go_on);
         spent += samples;
+        broken_off = trajectory.is_none() && samples < planner.max_samples;
         let Some(path) = trajectory else { continue };
         let length = |plan: &Plan| plan.certified().map_or(f64::INFINITY, |path| path.length());
         if best.as_ref().is_none_or(|best| path.length() < length(best)) {
@@ -59,7 +63,12 @@ pub(super) fn plan(
         }
     }
     let Some(best) = best else {
-        let status = Status::Unsolved(Reason::SamplesSpent { samples: spent });
+        let reason = if broken_off {
+            Reason::SamplingBrokenOff { samples: spent }
+        } else {
+            Reason::SamplesSpent { samples: spent }
+        };
+        let status = Status::Unsolved(reason);
         let none = Plan::none(status, Origin::Tree);
         return Ok(Plan { attempt: optimized.attempt, steps: optimized.steps, ..none });
     };
