@@ -11,7 +11,8 @@
 
 use super::certificate::Certifier;
 use super::kinematics::{Frame, point};
-use super::lanes::{Lane, Points, lane_min, least_square, span};
+use super::lanes::{Lane, Points, span, squares};
+use crate::kernels::lanes::all_above;
 use crate::kernels::{Block, Isa, LANES, clearance, dispatch};
 use crate::space::PieceId;
 
@@ -35,14 +36,11 @@ pub(super) struct Buffers {
     moments: Vec<Points>,
     slopes: Vec<Lane>,
     near: Vec<PieceId>,
-    distances: Vec<Lane>,
-    normals: Vec<Points>,
 }
 
 impl Buffers {
     pub(super) fn new(certifier: &Certifier) -> Self {
         let arm = &certifier.arm;
-        let most = arm.parts.iter().map(|part| part.balls.len()).max().unwrap_or(0).max(1);
         let (zero, frames) = ([[0.0; LANES]; 3], certifier.program.frames());
         Self {
             q: vec![[0.0; LANES]; arm.dof()],
@@ -53,8 +51,6 @@ impl Buffers {
             moments: vec![zero; frames],
             slopes: vec![[0.0; LANES]; arm.dof()],
             near: Vec::new(),
-            distances: vec![[0.0; LANES]; most],
-            normals: vec![zero; most],
         }
     }
 }
@@ -147,14 +143,13 @@ fn from_world<const ISA: u8>(
     let arm = &certifier.arm;
     let (count, margin) = (arm.parts.len(), arm.margin() as f32);
     let reach = certifier.around[index].1 + margin + epsilon / UNITS;
-    let (center, half) = span(&buffers.places[index]);
-    let Buffers { near, places, distances, normals, .. } = &mut *buffers;
-    certifier.world.near(center.map(f64::from), f64::from(half + reach), near);
+    let Buffers { near, places, .. } = &mut *buffers;
+    let surroundings = &certifier.surroundings;
+    surroundings.near::<ISA>(&span::<ISA>(&places[index]), reach, near);
     let mut kept = 0;
     for at in 0..near.len() {
         let piece = near[at];
-        certifier.world.block_distances(piece, &places[index..=index], distances, normals);
-        if lane_min(&distances[0]) < reach {
+        if !all_above::<ISA>(&surroundings.distances::<ISA>(piece, &places[index]), reach) {
             near[kept] = piece;
             kept += 1;
         }
@@ -164,18 +159,17 @@ fn from_world<const ISA: u8>(
     }
     place_balls::<ISA>(certifier, buffers, index);
     let part = &arm.parts[index];
-    let range = part.balls.clone();
-    let Buffers { near, places, distances, normals, forces, moments, .. } = &mut *buffers;
-    let balls = &places[count + range.start..count + range.end];
+    let Buffers { near, places, forces, moments, .. } = &mut *buffers;
     for &piece in &near[..kept] {
-        certifier.world.block_distances(piece, balls, distances, normals);
-        for (at, ball) in range.clone().enumerate() {
+        for ball in part.balls.clone() {
+            let place = &places[count + ball];
             let radius = certifier.balls[ball].1 + margin;
-            if lane_min(&distances[at]) >= radius + epsilon / UNITS {
+            let (distances, normals) = surroundings.answer::<ISA>(piece, place);
+            if all_above::<ISA>(&distances, radius + epsilon / UNITS) {
                 continue;
             }
-            let force = press(costs, epsilon, &distances[at], &normals[at], radius);
-            push(&force, &balls[at], 1.0, &mut forces[part.slot], &mut moments[part.slot]);
+            let force = press(costs, epsilon, &distances, &normals, radius);
+            push(&force, place, 1.0, &mut forces[part.slot], &mut moments[part.slot]);
         }
     }
 }
@@ -192,10 +186,9 @@ fn from_itself<const ISA: u8>(
 ) {
     let arm = &certifier.arm;
     let count = arm.parts.len();
-    let around = |part: usize| certifier.around[part].1;
     let own = epsilon / UNITS;
-    let far = |a: &Points, b: &Points, reach: f32| least_square::<ISA>(a, b) >= reach * reach;
-    if far(&buffers.places[a], &buffers.places[b], around(a) + around(b) + own) {
+    let around = [certifier.around[a].1, certifier.around[b].1];
+    if far::<ISA>(&buffers.places[a], &buffers.places[b], around[0] + around[1] + own) {
         return;
     }
     place_balls::<ISA>(certifier, buffers, a);
@@ -204,18 +197,19 @@ fn from_itself<const ISA: u8>(
     let slots = [arm.parts[a].slot, arm.parts[b].slot];
     for i in arm.parts[a].balls.clone() {
         let first = &places[count + i];
-        if far(first, &places[b], certifier.balls[i].1 + around(b) + own) {
+        if far::<ISA>(first, &places[b], certifier.balls[i].1 + around[1] + own) {
             continue;
         }
         for j in arm.parts[b].balls.clone() {
             let second = &places[count + j];
             let radius = certifier.balls[i].1 + certifier.balls[j].1;
-            if far(first, second, radius + own) {
+            if far::<ISA>(first, second, radius + own) {
                 continue;
             }
             let (mut distance, mut normal) = ([0.0; LANES], [[0.0; LANES]; 3]);
             for lane in 0..LANES {
-                let d = [0, 1, 2].map(|axis: usize| second[axis][lane] - first[axis][lane]);
+                let x = second[0][lane] - first[0][lane];
+                let d = [x, second[1][lane] - first[1][lane], second[2][lane] - first[2][lane]];
                 let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
                 let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
                 distance[lane] = length;
@@ -228,6 +222,12 @@ fn from_itself<const ISA: u8>(
             push(&force, first, -1.0, &mut forces[slots[0]], &mut moments[slots[0]]);
         }
     }
+}
+
+/// Whether two points are `reach` apart in every lane.
+#[inline(always)]
+fn far<const ISA: u8>(a: &Points, b: &Points, reach: f32) -> bool {
+    all_above::<ISA>(&squares::<ISA>(a, b), reach * reach)
 }
 
 /// Adds c of the gap `distance - radius` to the costs; the slope of c by the place, along the normal.

@@ -90,10 +90,11 @@ impl Program {
             let frame = &frames[slot];
             let slope = &mut slopes[step.coordinate];
             for lane in 0..LANES {
-                let column = |k: usize| [frame[k][lane], frame[4 + k][lane], frame[8 + k][lane]];
-                let (z, o) = (column(2), column(3));
-                let [force, moment] =
-                    [&forces[slot], &moments[slot]].map(|p| [p[0][lane], p[1][lane], p[2][lane]]);
+                let z = [frame[2][lane], frame[6][lane], frame[10][lane]];
+                let o = [frame[3][lane], frame[7][lane], frame[11][lane]];
+                let (f, m) = (&forces[slot], &moments[slot]);
+                let force = [f[0][lane], f[1][lane], f[2][lane]];
+                let moment = [m[0][lane], m[1][lane], m[2][lane]];
                 let turn = [
                     moment[0] - (o[1] * force[2] - o[2] * force[1]),
                     moment[1] - (o[2] * force[0] - o[0] * force[2]),
@@ -134,6 +135,20 @@ impl Program {
     }
 }
 
+/// A row of a frame in one lane.
+#[inline(always)]
+fn row_of(frame: &Frame, row: usize, lane: usize) -> [f32; 4] {
+    let at = 4 * row;
+    [frame[at][lane], frame[at + 1][lane], frame[at + 2][lane], frame[at + 3][lane]]
+}
+
+/// A row times a column of a constant, and `start`.
+#[inline(always)]
+fn along<const ISA: u8>(p: &[f32; 4], c: &[f32; 12], column: usize, start: f32) -> f32 {
+    let a = madd::<ISA>(p[2], c[8 + column], start);
+    madd::<ISA>(p[0], c[column], madd::<ISA>(p[1], c[4 + column], a))
+}
+
 /// A turning slot.
 #[inline(always)]
 fn turn<const ISA: u8>(step: &Step, parent: &Frame, q: &Lane, frame: &mut Frame) {
@@ -141,16 +156,14 @@ fn turn<const ISA: u8>(step: &Step, parent: &Frame, q: &Lane, frame: &mut Frame)
     for lane in 0..LANES {
         let [sin, cos] = sin_cos::<ISA>(madd::<ISA>(step.multiplier, q[lane], step.offset));
         for row in 0..3 {
-            let p = [0, 1, 2, 3].map(|column| parent[4 * row + column][lane]);
-            let along = |column: usize, start: f32| {
-                let a = madd::<ISA>(p[2], c[8 + column], start);
-                madd::<ISA>(p[0], c[column], madd::<ISA>(p[1], c[4 + column], a))
-            };
-            let (x, y, z) = (along(0, 0.0), along(1, 0.0), along(2, 0.0));
+            let p = row_of(parent, row, lane);
+            let x = along::<ISA>(&p, c, 0, 0.0);
+            let y = along::<ISA>(&p, c, 1, 0.0);
+            let z = along::<ISA>(&p, c, 2, 0.0);
             frame[4 * row][lane] = madd::<ISA>(cos, x, sin * y);
             frame[4 * row + 1][lane] = madd::<ISA>(cos, y, -(sin * x));
             frame[4 * row + 2][lane] = z;
-            frame[4 * row + 3][lane] = along(3, p[3]);
+            frame[4 * row + 3][lane] = along::<ISA>(&p, c, 3, p[3]);
         }
     }
 }
@@ -178,16 +191,12 @@ fn slide<const ISA: u8>(step: &Step, parent: &Frame, q: &Lane, frame: &mut Frame
     for lane in 0..LANES {
         let q = madd::<ISA>(step.multiplier, q[lane], step.offset);
         for row in 0..3 {
-            let p = [0, 1, 2, 3].map(|column| parent[4 * row + column][lane]);
-            let along = |column: usize, start: f32| {
-                let a = madd::<ISA>(p[2], c[8 + column], start);
-                madd::<ISA>(p[0], c[column], madd::<ISA>(p[1], c[4 + column], a))
-            };
-            let z = along(2, 0.0);
-            frame[4 * row][lane] = along(0, 0.0);
-            frame[4 * row + 1][lane] = along(1, 0.0);
+            let p = row_of(parent, row, lane);
+            let z = along::<ISA>(&p, c, 2, 0.0);
+            frame[4 * row][lane] = along::<ISA>(&p, c, 0, 0.0);
+            frame[4 * row + 1][lane] = along::<ISA>(&p, c, 1, 0.0);
             frame[4 * row + 2][lane] = z;
-            frame[4 * row + 3][lane] = madd::<ISA>(q, z, along(3, p[3]));
+            frame[4 * row + 3][lane] = madd::<ISA>(q, z, along::<ISA>(&p, c, 3, p[3]));
         }
     }
 }
@@ -197,7 +206,7 @@ fn slide<const ISA: u8>(step: &Step, parent: &Frame, q: &Lane, frame: &mut Frame
 pub(super) fn point<const ISA: u8>(frame: &Frame, p: [f32; 3], out: &mut Points) {
     for lane in 0..LANES {
         for row in 0..3 {
-            let [a, b, c, t] = [0, 1, 2, 3].map(|column| frame[4 * row + column][lane]);
+            let [a, b, c, t] = row_of(frame, row, lane);
             let sum = madd::<ISA>(c, p[2], t);
             out[row][lane] = madd::<ISA>(a, p[0], madd::<ISA>(b, p[1], sum));
         }

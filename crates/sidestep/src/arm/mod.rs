@@ -22,6 +22,7 @@ mod robot;
 mod scene;
 mod sincos;
 mod spheres;
+mod surroundings;
 
 pub use covered::MeshHull;
 pub use explain::{explain, explain_ends};

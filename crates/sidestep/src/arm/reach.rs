@@ -18,6 +18,7 @@
 use super::Arm;
 use super::chain::Slot;
 use super::robot::LIMIT_TOLERANCE;
+use crate::kernels::{Isa, LANES, dispatch};
 use crate::space::vector::Vector;
 
 /// Bounds of the balls of an arm; those around the links come first.
@@ -27,6 +28,8 @@ pub(super) struct Reach {
     farthest: Vec<f32>,
     /// For each slot what drives it.
     slots: Vec<Driven>,
+    /// The largest of each row of `farthest`.
+    longest: Vec<f64>,
     stride: usize,
 }
 
@@ -49,7 +52,7 @@ impl Reach {
             arm.balls[part.balls.clone()].iter().map(|ball| (part.slot, ball.center))
         });
         let points: Vec<(usize, Vector)> = around.chain(balls).collect();
-        let stride = points.len().next_multiple_of(crate::kernels::LANES);
+        let stride = points.len().next_multiple_of(LANES);
         let mut farthest = vec![0.0; arm.chain.slots.len() * stride];
         for (index, &(slot, center)) in points.iter().enumerate() {
             for (slot, reach) in reaches(arm, slot, center) {
@@ -62,7 +65,11 @@ impl Reach {
             factor: slot.multiplier.abs(),
             turns: !slot.prismatic,
         };
-        Self { farthest, slots: arm.chain.slots.iter().map(driven).collect(), stride }
+        let longest = |row: &[f32]| f64::from(row.iter().copied().fold(0.0, f32::max));
+        // A robot without balls has no rows.
+        let row = |slot: usize| &farthest[slot * stride..][..stride];
+        let longest = (0..arm.chain.slots.len()).map(|slot| longest(row(slot))).collect();
+        Self { farthest, slots: arm.chain.slots.iter().map(driven).collect(), longest, stride }
     }
 
     /// Numbers of a block of bounds: one for each ball, padded.
@@ -72,9 +79,15 @@ impl Reach {
 
     /// M / 8 of each ball for a motion by `delta`, and the largest speed sum_m |D_m| R_m of any.
     ///
-    /// `bulge` has [`Self::stride`] numbers; `turned` one for each slot and one more.
-    pub(super) fn bulges(&self, delta: &[f64], turned: &mut [f64], bulge: &mut [f32]) -> f64 {
-        bulge.fill(0.0);
+    /// `bulge` has [`Self::stride`] numbers; `turned` one for each slot and one more: how far the slots up to each turn together.
+    pub(super) fn bulges(
+        &self,
+        isa: Isa,
+        delta: &[f64],
+        turned: &mut [f64],
+        weights: &mut [f32],
+        bulge: &mut [f32],
+    ) -> f64 {
         turned[0] = 0.0;
         let mut speed = 0.0;
         for (index, slot) in self.slots.iter().enumerate() {
@@ -82,16 +95,30 @@ impl Reach {
             let before = turned[slot.parent];
             let turns = if slot.turns { by } else { 0.0 };
             turned[index + 1] = before + turns;
-            let weight = (by * (turns + 2.0 * before) * (UP / 8.0)) as f32;
-            let row = &self.farthest[index * self.stride..][..self.stride];
-            let mut longest = 0.0_f32;
-            for (bulge, &reach) in bulge.iter_mut().zip(row) {
-                *bulge += weight * reach;
-                longest = if reach > longest { reach } else { longest };
-            }
-            speed += by * f64::from(longest);
+            weights[index] = (by * (turns + 2.0 * before) * (UP / 8.0)) as f32;
+            speed += by * self.longest[index];
         }
+        weighted(isa, &self.farthest, weights, bulge);
         speed
+    }
+}
+
+dispatch! {
+    /// The sum of the rows `[weights x sums]`, each times its weight.
+    fn weighted(rows: &[f32], weights: &[f32], sums: &mut [f32]) = weighted_body;
+}
+
+#[inline(always)]
+fn weighted_body<const ISA: u8>(rows: &[f32], weights: &[f32], sums: &mut [f32]) {
+    let stride = sums.len();
+    for (block, sums) in sums.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+        *sums = [0.0; LANES];
+        for (slot, &weight) in weights.iter().enumerate() {
+            let row = &rows[slot * stride + block * LANES..][..LANES];
+            for lane in 0..LANES {
+                sums[lane] += weight * row[lane];
+            }
+        }
     }
 }
 

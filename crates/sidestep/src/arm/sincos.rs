@@ -40,9 +40,10 @@ pub(super) fn sin_cos<const ISA: u8>(x: f32) -> [f32; 2] {
     let c = madd::<ISA>(z * z, c, madd::<ISA>(z, -0.5, 1.0));
     // Quadrants 1 and 3 swap the two; 2 and 3 turn the sign of the sine, 1 and 2 that of the cosine.
     let swap = 0_u32.wrapping_sub(quadrant & 1);
-    let pick = |a: f32, b: f32| f32::from_bits((a.to_bits() & !swap) | (b.to_bits() & swap));
-    let sign = |v: f32, bit: u32| f32::from_bits(v.to_bits() ^ ((bit & 2) << 30));
-    [sign(pick(s, c), quadrant), sign(pick(c, s), quadrant.wrapping_add(1))]
+    let (s, c) = (s.to_bits(), c.to_bits());
+    let sin = ((s & !swap) | (c & swap)) ^ ((quadrant & 2) << 30);
+    let cos = ((c & !swap) | (s & swap)) ^ ((quadrant.wrapping_add(1) & 2) << 30);
+    [f32::from_bits(sin), f32::from_bits(cos)]
 }
 
 #[cfg(test)]

@@ -146,7 +146,8 @@ fn balls_leave_their_chords_by_no_more_than_their_bulge() {
         let delta: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
         let mut bulge = vec![0.0; reach.stride()];
         let mut turned = vec![0.0; arm.chain.slots.len() + 1];
-        let speed = reach.bulges(&delta, &mut turned, &mut bulge);
+        let mut weights = vec![0.0; turned.len() - 1];
+        let speed = reach.bulges(Isa::detect(), &delta, &mut turned, &mut weights, &mut bulge);
         let (first, last) = (arm.balls_at(&a), arm.balls_at(&b));
         let mut before = first.clone();
         for step in 1..=200 {

@@ -21,6 +21,7 @@ mod adam;
 pub(crate) mod clearance;
 pub(crate) mod conv;
 pub(crate) mod dense;
+pub(crate) mod lanes;
 mod norm;
 mod product;
 pub(crate) mod shift;

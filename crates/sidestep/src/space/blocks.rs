@@ -48,56 +48,127 @@ pub(super) fn distances(
     frame: &Frame32,
     blocks: &mut Blocks<'_>,
 ) {
+    if let Some(primitive) = Primitive::of(shape, piece, frame) {
+        return primitives(isa, &primitive, blocks);
+    }
     match shape {
-        Shape::Sphere { radius } => balls(isa, frame, [0.0; 3], *radius as f32, blocks),
-        Shape::Box { half_extents } => {
-            cuboids(isa, frame, [0.0; 3], narrow(*half_extents), blocks);
-        }
-        Shape::Cylinder { radius, half_length } => {
-            cylinders(isa, frame, *radius as f32, *half_length as f32, blocks);
-        }
-        Shape::Capsule { radius, half_length } => {
-            capsules(isa, frame, *radius as f32, *half_length as f32, blocks);
-        }
-        Shape::Points(cloud) => {
-            let center = narrow(cloud.points()[piece]);
-            balls(isa, frame, center, cloud.radius() as f32, blocks);
-        }
         Shape::Mesh(mesh) => {
             let triangle = Triangle32::new(&Triangle::new(mesh.corners(piece)));
             triangles(isa, frame, &triangle, blocks);
         }
         Shape::Hull(hull) => hulls(isa, frame, hull.narrow(), hull.radius() as f32, blocks),
-        Shape::HeightMap(map) => match map.cell(piece) {
-            Some(cell) => {
+        // A cell without a height: there is nothing.
+        _ => {
+            blocks.distances.fill([f32::INFINITY; LANES]);
+            blocks.normals.fill([[0.0; LANES], [0.0; LANES], [1.0; LANES]]);
+        }
+    }
+}
+
+/// A piece that is a ball, box, cylinder or capsule, in f32: what loops over many can keep at hand.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Primitive {
+    frame: Frame32,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    Ball { center: [f32; 3], radius: f32 },
+    Cuboid { center: [f32; 3], half: [f32; 3] },
+    Cylinder { radius: f32, half_length: f32 },
+    Capsule { radius: f32, half_length: f32 },
+}
+
+/// Runs a formula of the shape's frame on every lane. No closure: one that is not inlined would be compiled without the
+/// instruction set's features.
+macro_rules! each {
+    ($frame:expr, $points:expr, $distances:expr, $normals:expr, |$p:ident| $formula:expr) => {{
+        let (frame, points) = ($frame, $points);
+        // Local, so that the compiler sees that a lane's answer is no other lane's point.
+        let (mut d, mut n): ([f32; LANES], PointBlock) = Default::default();
+        for lane in 0..LANES {
+            let $p = into_frame::<ISA>(frame, [points[0][lane], points[1][lane], points[2][lane]]);
+            let (there, direction) = $formula;
+            d[lane] = there;
+            n[0][lane] = dot::<ISA>(frame.rotation[0], direction);
+            n[1][lane] = dot::<ISA>(frame.rotation[1], direction);
+            n[2][lane] = dot::<ISA>(frame.rotation[2], direction);
+        }
+        (*$distances, *$normals) = (d, n);
+    }};
+}
+
+impl Primitive {
+    /// The primitive that this piece of a shape is, if it is one.
+    pub(super) fn of(shape: &Shape, piece: usize, frame: &Frame32) -> Option<Self> {
+        let kind = match shape {
+            Shape::Sphere { radius } => Kind::Ball { center: [0.0; 3], radius: *radius as f32 },
+            Shape::Box { half_extents } => {
+                Kind::Cuboid { center: [0.0; 3], half: narrow(*half_extents) }
+            }
+            Shape::Cylinder { radius, half_length } => {
+                Kind::Cylinder { radius: *radius as f32, half_length: *half_length as f32 }
+            }
+            Shape::Capsule { radius, half_length } => {
+                Kind::Capsule { radius: *radius as f32, half_length: *half_length as f32 }
+            }
+            Shape::Points(cloud) => {
+                let center = narrow(cloud.points()[piece]);
+                Kind::Ball { center, radius: cloud.radius() as f32 }
+            }
+            Shape::HeightMap(map) => {
+                let cell = map.cell(piece)?;
                 let half = narrow([0, 1, 2].map(|k| 0.5 * (cell.max[k] - cell.min[k])));
-                cuboids(isa, frame, narrow(cell.center()), half, blocks);
+                Kind::Cuboid { center: narrow(cell.center()), half }
             }
-            None => {
-                blocks.distances.fill([f32::INFINITY; LANES]);
-                blocks.normals.fill([[0.0; LANES], [0.0; LANES], [1.0; LANES]]);
+            Shape::Mesh(_) | Shape::Hull(_) => return None,
+        };
+        Some(Self { frame: *frame, kind })
+    }
+
+    /// Distances of sixteen points, and the normals there.
+    #[inline(always)]
+    pub(crate) fn answer<const ISA: u8>(
+        &self,
+        points: &PointBlock,
+        distances: &mut [f32; LANES],
+        normals: &mut PointBlock,
+    ) {
+        let frame = &self.frame;
+        match self.kind {
+            Kind::Ball { center, radius } => {
+                each!(frame, points, distances, normals, |p| ball::<ISA>(sub(p, center), radius));
             }
-        },
+            Kind::Cuboid { center, half } => {
+                each!(frame, points, distances, normals, |p| cuboid::<ISA>(sub(p, center), half));
+            }
+            Kind::Cylinder { radius, half_length } => {
+                each!(frame, points, distances, normals, |p| {
+                    cylinder::<ISA>(p, radius, half_length)
+                });
+            }
+            Kind::Capsule { radius, half_length } => {
+                each!(frame, points, distances, normals, |p| capsule::<ISA>(
+                    p,
+                    radius,
+                    half_length
+                ));
+            }
+        }
+    }
+
+    /// Distances of sixteen points alone, to the same bits.
+    #[inline(always)]
+    pub(crate) fn distances<const ISA: u8>(&self, points: &PointBlock) -> [f32; LANES] {
+        let (mut distances, mut normals): ([f32; LANES], PointBlock) = Default::default();
+        self.answer::<ISA>(points, &mut distances, &mut normals);
+        distances
     }
 }
 
 dispatch! {
-    fn balls(frame: &Frame32, center: [f32; 3], radius: f32, blocks: &mut Blocks<'_>) = balls_body;
-}
-dispatch! {
-    fn cuboids(
-        frame: &Frame32, center: [f32; 3], half: [f32; 3], blocks: &mut Blocks<'_>,
-    ) = cuboids_body;
-}
-dispatch! {
-    fn cylinders(
-        frame: &Frame32, radius: f32, half_length: f32, blocks: &mut Blocks<'_>,
-    ) = cylinders_body;
-}
-dispatch! {
-    fn capsules(
-        frame: &Frame32, radius: f32, half_length: f32, blocks: &mut Blocks<'_>,
-    ) = capsules_body;
+    fn primitives(primitive: &Primitive, blocks: &mut Blocks<'_>) = primitives_body;
 }
 dispatch! {
     fn triangles(frame: &Frame32, triangle: &Triangle32, blocks: &mut Blocks<'_>) = triangles_body;
@@ -108,77 +179,20 @@ dispatch! {
     ) = hulls_body;
 }
 
-/// Runs a formula of the shape's frame on every lane.
 #[inline(always)]
-fn each<const ISA: u8>(
-    frame: &Frame32,
-    blocks: &mut Blocks<'_>,
-    formula: impl Fn([f32; 3]) -> (f32, [f32; 3]),
-) {
+fn primitives_body<const ISA: u8>(primitive: &Primitive, blocks: &mut Blocks<'_>) {
     let answers = blocks.distances.iter_mut().zip(blocks.normals.iter_mut());
-    for (block, (distance, normal)) in blocks.points.iter().zip(answers) {
-        // Local, so that the compiler sees that a lane's answer is no other lane's point.
-        let (mut d, mut n): ([f32; LANES], PointBlock) = Default::default();
-        for lane in 0..LANES {
-            let p = [block[0][lane], block[1][lane], block[2][lane]];
-            let (there, direction) = formula(into_frame::<ISA>(frame, p));
-            d[lane] = there;
-            for k in 0..3 {
-                n[k][lane] = dot::<ISA>(frame.rotation[k], direction);
-            }
-        }
-        (*distance, *normal) = (d, n);
+    for (points, (distances, normals)) in blocks.points.iter().zip(answers) {
+        primitive.answer::<ISA>(points, distances, normals);
     }
 }
 
 #[inline(always)]
-fn balls_body<const ISA: u8>(
-    frame: &Frame32,
-    center: [f32; 3],
-    radius: f32,
-    blocks: &mut Blocks<'_>,
-) {
-    each::<ISA>(frame, blocks, |p| ball::<ISA>(sub(p, center), radius));
-}
-
-#[inline(always)]
-fn cuboids_body<const ISA: u8>(
-    frame: &Frame32,
-    center: [f32; 3],
-    half: [f32; 3],
-    blocks: &mut Blocks<'_>,
-) {
-    each::<ISA>(frame, blocks, |p| cuboid::<ISA>(sub(p, center), half));
-}
-
-#[inline(always)]
-fn cylinders_body<const ISA: u8>(
-    frame: &Frame32,
-    radius: f32,
-    half_length: f32,
-    blocks: &mut Blocks<'_>,
-) {
-    each::<ISA>(frame, blocks, |p| cylinder::<ISA>(p, radius, half_length));
-}
-
-#[inline(always)]
-fn capsules_body<const ISA: u8>(
-    frame: &Frame32,
-    radius: f32,
-    half_length: f32,
-    blocks: &mut Blocks<'_>,
-) {
-    each::<ISA>(frame, blocks, |p| {
-        let along = larger(-half_length, smaller(p[2], half_length));
-        let (distance, n) = ball::<ISA>([p[0], p[1], p[2] - along], radius);
-        let on_axis = distance == -radius && half_length > 0.0;
-        (distance, [if on_axis { 1.0 } else { n[0] }, n[1], if on_axis { 0.0 } else { n[2] }])
-    });
-}
-
-#[inline(always)]
 fn triangles_body<const ISA: u8>(frame: &Frame32, triangle: &Triangle32, blocks: &mut Blocks<'_>) {
-    each::<ISA>(frame, blocks, |p| to_triangle::<ISA>(p, triangle));
+    let answers = blocks.distances.iter_mut().zip(blocks.normals.iter_mut());
+    for (points, (distances, normals)) in blocks.points.iter().zip(answers) {
+        each!(frame, points, distances, normals, |p| to_triangle::<ISA>(p, triangle));
+    }
 }
 
 #[inline(always)]
@@ -230,7 +244,10 @@ fn hulls_body<const ISA: u8>(
         for lane in 0..LANES {
             let outside = plane.0[lane] > 0.0;
             distance[lane] = if outside { face.0[lane] } else { plane.0[lane] };
-            let n = [0, 1, 2].map(|k| if outside { face.1[k][lane] } else { plane.1[k][lane] });
+            let mut n = [0.0; 3];
+            for k in 0..3 {
+                n[k] = if outside { face.1[k][lane] } else { plane.1[k][lane] };
+            }
             for k in 0..3 {
                 normal[k][lane] = dot::<ISA>(frame.rotation[k], n);
             }
@@ -242,14 +259,14 @@ fn hulls_body<const ISA: u8>(
 fn ball<const ISA: u8>(p: [f32; 3], radius: f32) -> (f32, [f32; 3]) {
     let length = dot::<ISA>(p, p).sqrt();
     let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
-    let n = p.map(|v| v * inverse);
-    (length - radius, [n[0], n[1], if length > 0.0 { n[2] } else { 1.0 }])
+    let up = if length > 0.0 { p[2] * inverse } else { 1.0 };
+    (length - radius, [p[0] * inverse, p[1] * inverse, up])
 }
 
 #[inline(always)]
 fn cuboid<const ISA: u8>(p: [f32; 3], half: [f32; 3]) -> (f32, [f32; 3]) {
     let q = [p[0].abs() - half[0], p[1].abs() - half[1], p[2].abs() - half[2]];
-    let beyond = q.map(|v| larger(v, 0.0));
+    let beyond = [larger(q[0], 0.0), larger(q[1], 0.0), larger(q[2], 0.0)];
     let length = dot::<ISA>(beyond, beyond).sqrt();
     let outside = length > 0.0;
     let inverse = if outside { 1.0 / length } else { 0.0 };
@@ -259,10 +276,11 @@ fn cuboid<const ISA: u8>(p: [f32; 3], half: [f32; 3]) -> (f32, [f32; 3]) {
     let within = larger(q[0], larger(q[1], q[2]));
     let inner =
         [if x { 1.0 } else { 0.0 }, if y { 1.0 } else { 0.0 }, if x || y { 0.0 } else { 1.0 }];
-    let n = [0, 1, 2].map(|k: usize| {
-        let size: f32 = if outside { beyond[k] * inverse } else { inner[k] };
-        size.copysign(p[k])
-    });
+    let mut n: [f32; 3] = inner;
+    for k in 0..3 {
+        let size = if outside { beyond[k] * inverse } else { inner[k] };
+        n[k] = size.copysign(p[k]);
+    }
     (if outside { length } else { within }, n)
 }
 
@@ -296,8 +314,17 @@ fn cylinder<const ISA: u8>(p: [f32; 3], radius: f32, half_length: f32) -> (f32, 
 }
 
 #[inline(always)]
+fn capsule<const ISA: u8>(p: [f32; 3], radius: f32, half_length: f32) -> (f32, [f32; 3]) {
+    let along = larger(-half_length, smaller(p[2], half_length));
+    let (distance, n) = ball::<ISA>([p[0], p[1], p[2] - along], radius);
+    let on_axis = distance == -radius && half_length > 0.0;
+    (distance, [if on_axis { 1.0 } else { n[0] }, n[1], if on_axis { 0.0 } else { n[2] }])
+}
+
+#[inline(always)]
 fn to_triangle<const ISA: u8>(p: [f32; 3], triangle: &Triangle32) -> (f32, [f32; 3]) {
-    let from = triangle.corners.map(|corner| sub(p, corner));
+    let [a, b, c] = triangle.corners;
+    let from = [sub(p, a), sub(p, b), sub(p, c)];
     let height = dot::<ISA>(triangle.normal, from[0]);
     // How far beyond the edge planes; a triangle without a plane is never above it.
     let mut beyond = triangle.never_above;
@@ -336,7 +363,10 @@ fn to_triangle<const ISA: u8>(p: [f32; 3], triangle: &Triangle32) -> (f32, [f32;
 fn into_frame<const ISA: u8>(frame: &Frame32, p: [f32; 3]) -> [f32; 3] {
     let q = sub(p, frame.translation);
     let r = &frame.rotation;
-    [0, 1, 2].map(|k: usize| dot::<ISA>([r[0][k], r[1][k], r[2][k]], q))
+    let x = dot::<ISA>([r[0][0], r[1][0], r[2][0]], q);
+    let y = dot::<ISA>([r[0][1], r[1][1], r[2][1]], q);
+    let z = dot::<ISA>([r[0][2], r[1][2], r[2][2]], q);
+    [x, y, z]
 }
 
 #[inline(always)]

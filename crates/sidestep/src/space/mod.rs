@@ -37,6 +37,7 @@ pub mod vector;
 mod world;
 
 pub use blocks::PointBlock;
+pub(crate) use blocks::Primitive;
 pub use bounds::Bounds;
 pub use cover::Cover;
 pub use height_map::HeightMap;

@@ -1,6 +1,6 @@
 //! Named objects in space, and the distance to each of their pieces.
 
-use super::blocks::{self, Blocks, Frame32, PointBlock};
+use super::blocks::{self, Blocks, Frame32, PointBlock, Primitive};
 use super::bounds::Bounds;
 use super::index::Index;
 use super::pose::Pose;
@@ -187,6 +187,20 @@ impl World {
         let i = (piece - part.first) as usize;
         let mut blocks = Blocks { points, distances, normals };
         blocks::distances(Isa::detect(), shape, i, &part.frame, &mut blocks);
+    }
+
+    /// The piece as a primitive, if it is one; its distances are those of [`Self::block_distances`] to the bit.
+    #[inline]
+    pub(crate) fn primitive(&self, piece: PieceId) -> Option<Primitive> {
+        let part = self.part(piece);
+        Primitive::of(&self.shape_of(part).1, (piece - part.first) as usize, &part.frame)
+    }
+
+    /// The axis-aligned box around a piece, in metres; none if there is nothing.
+    pub(crate) fn piece_bounds(&self, piece: PieceId) -> Option<Bounds> {
+        let part = self.part(piece);
+        let (pose, shape) = self.shape_of(part);
+        Some(placed(shape.piece_bounds((piece - part.first) as usize)?, pose))
     }
 
     /// How far a distance of [`Self::block_distances`] may be from the exact one for the same f32

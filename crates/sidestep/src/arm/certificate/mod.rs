@@ -22,6 +22,8 @@ use std::sync::Arc;
 use super::kinematics::Program;
 use super::reach::Reach;
 use super::robot::Arm;
+use super::spheres::Part;
+use super::surroundings::Surroundings;
 use crate::kernels::{Isa, LANES};
 use crate::space::World;
 use crate::space::vector::{norm, sub};
@@ -40,17 +42,20 @@ const MOST_BLOCKS: usize = 4096;
 pub struct Certifier {
     pub(super) arm: Arc<Arm>,
     pub(super) world: Arc<World>,
+    pub(super) surroundings: Surroundings,
     pub(super) program: Program,
     reach: Reach,
     /// Centre and radius of the ball around each part, f32.
     pub(super) around: Vec<([f32; 3], f32)>,
     /// Centre and radius of each ball, f32; radii rounded up.
     pub(super) balls: Vec<([f32; 3], f32)>,
+    /// How far the centre of each ball is from that of the ball around its part, metres, rounded up.
+    offsets: Vec<f32>,
     /// The first part that moves.
     pub(super) first_moving: usize,
     /// For each piece of the world what is added to every radius.
     slack: Vec<f32>,
-    most_slack: f64,
+    most_slack: f32,
     self_slack: f32,
     /// What the part of the body that never moves touches.
     stuck: Option<Hit>,
@@ -117,12 +122,18 @@ impl Certifier {
         let slack = |piece: usize| margin + 2.0 * own + world.block_error(piece as u32, reach);
         let slack: Vec<f32> = (0..world.pieces()).map(|piece| up(slack(piece))).collect();
         let narrow = |center: [f64; 3], radius: f64| (center.map(|v| v as f32), up(radius));
+        let offsets = |part: &Part| -> Vec<f32> {
+            let balls = arm.balls[part.balls.clone()].iter();
+            balls.map(|ball| up(norm(sub(ball.center, part.around.center)))).collect()
+        };
         let mut certifier = Self {
+            surroundings: Surroundings::new(Arc::clone(&world)),
             reach: Reach::new(&arm),
             around: arm.parts.iter().map(|p| narrow(p.around.center, p.around.radius)).collect(),
             balls: arm.balls.iter().map(|ball| narrow(ball.center, ball.radius)).collect(),
             first_moving: arm.parts.iter().take_while(|part| part.slot == 0).count(),
-            most_slack: f64::from(slack.iter().copied().fold(0.0, f32::max)),
+            offsets: arm.parts.iter().flat_map(offsets).collect(),
+            most_slack: slack.iter().copied().fold(0.0, f32::max),
             slack,
             self_slack: up(4.0 * own),
             stuck: None,
@@ -187,7 +198,9 @@ impl Certifier {
         for ((delta, &a), &b) in work.delta.iter_mut().zip(from).zip(to) {
             *delta = b - a;
         }
-        let speed = self.reach.bulges(&work.delta, &mut work.turned, &mut work.bulges);
+        work.from.copy_from_slice(from);
+        let Work { delta, turned, weights, bulges, .. } = &mut *work;
+        let speed = self.reach.bulges(isa, delta, turned, weights, bulges);
         if !speed.is_finite() {
             return Found::Undecided(0.0);
         }
@@ -203,7 +216,7 @@ impl Certifier {
             let together = alike.min(LANES / 3);
             let pieces = LANES / together - 1;
             let narrow = width / pieces as f64;
-            let mut times = [0.0; LANES];
+            let times = &mut work.times;
             let mut intervals = 0;
             work.begins = [0.0; LANES];
             for k in 0..together {
@@ -219,17 +232,14 @@ impl Certifier {
             let used = together * (pieces + 1);
             let last = times[used - 1];
             times[used..].fill(last);
-            for (lanes, (&a, &delta)) in work.q.iter_mut().zip(from.iter().zip(&work.delta)) {
-                for lane in 0..LANES {
-                    lanes[lane] = (a + times[lane] * delta) as f32;
-                }
-            }
             match prove(isa, self, work, up(narrow * (1.0 + 1e-9)), intervals) {
-                Outcome::Blocked { lane, contact } => return Found::Blocked(times[lane], contact),
+                Outcome::Blocked { lane, contact } => {
+                    return Found::Blocked(work.times[lane], contact);
+                }
                 Outcome::Open(bits) => {
                     for lane in 0..LANES {
                         if bits >> lane & 1 == 1 {
-                            work.open.push(Interval { start: times[lane], width: narrow });
+                            work.open.push(Interval { start: work.times[lane], width: narrow });
                         }
                     }
                 }
@@ -245,9 +255,14 @@ impl Certifier {
         let name = |ball: usize| self.arm.link_of_ball(ball).to_string();
         let (link, with, depth) = match contact {
             Contact::Piece { ball, piece } => {
-                let (distance, _) = self.world.distance(piece, balls[ball].center);
-                let with = Met::Object(self.world.name_of(piece).to_string());
-                (name(ball), with, balls[ball].radius - distance)
+                // Of the link's balls the one that is deepest.
+                let part = self.arm.parts.iter().find(|part| part.balls.contains(&ball));
+                let deep = |ball: usize| {
+                    balls[ball].radius - self.world.distance(piece, balls[ball].center).0
+                };
+                let range = part.map_or(ball..ball + 1, |part| part.balls.clone());
+                let depth = range.map(deep).fold(deep(ball), f64::max);
+                (name(ball), Met::Object(self.world.name_of(piece).to_string()), depth)
             }
             Contact::Balls(a, b) => {
                 let distance = norm(sub(balls[a].center, balls[b].center));
