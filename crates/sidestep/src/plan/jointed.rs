@@ -1,8 +1,9 @@
-//! The planner `auto` for robots with joints, where no search is exact: the straight line, a few steps of L-BFGS from it, and
-//! RRT-Connect; short cuts on what is found.
+//! The planner `auto` for robots with joints, where no search is exact: the straight line, RRT-Connect with short cuts, and where
+//! the best plan is asked for or the trees find none, a few steps of L-BFGS from the straight line.
 //!
 //! Nothing is promised about the length, and a failure proves nothing. Where the best plan is asked for, as many ways are
 //! looked for as there are starts (trees go the wrong way round as often as not), and the shortest is made smooth.
+//! L-BFGS first, for each plan, took three times as long as the trees with their short cuts, for plans as long (docs/research/arms.md).
 
 use crate::error::InvalidInput;
 use crate::optimizer::Method;
@@ -20,8 +21,11 @@ const STEPS: usize = 12;
 const MEMORY: usize = 7;
 /// Random short cuts on a path.
 const SHORT_CUTS: usize = 32;
-/// Samples of the trees: what a narrow passage needs. Most problems need a few hundred, a few per cent more than 20,000.
-const SAMPLES: usize = 1_000_000;
+/// Samples of the first pair of trees, and twice as many of each further one; most problems need a few hundred. Trees that grew badly
+/// are better begun anew than grown on, but what is really narrow needs large ones.
+const SAMPLES: usize = 100_000;
+/// Pairs of trees before giving up.
+const RUNS: usize = 5;
 
 /// Plans where the straight line is not free.
 pub(super) fn plan(
@@ -29,47 +33,50 @@ pub(super) fn plan(
     options: &Options,
     watch: Watch<'_>,
 ) -> Result<Plan, InvalidInput> {
-    let method = Method::Lbfgs { memory: MEMORY };
-    let few = Options { steps: options.steps.min(STEPS), starts: 1, ..options.clone() };
-    let optimized = optimize(query, &method, &few, watch)?;
     let mut best = None;
-    if let Some(found) = optimized.certified() {
-        let mut path = found.clone();
-        let mut rng = stream(options.seed, Purpose::Planner, options.index, 0);
-        let is_free = |from: &[f64], to: &[f64]| query.scene().motion_is_free(from, to);
-        shortcut(&mut path, is_free, SHORT_CUTS, &mut rng);
-        best = Some(Plan::of(query, path, optimized.steps, optimized.origin));
+    let mut tried = None;
+    if options.stop == Stop::Best {
+        let optimized = optimized(query, options, watch)?;
+        best = shortened(query, options, &optimized);
+        tried = Some(optimized);
     }
-    let trees = match (options.stop, best.is_some()) {
-        (Stop::First, true) => 0,
-        (Stop::First, false) => 1,
-        (Stop::Best, _) => options.starts,
-    };
-    let planner =
-        RrtConnect { shortcut_rounds: SHORT_CUTS, max_samples: SAMPLES, ..RrtConnect::default() };
+    let wanted = if options.stop == Stop::First { 1 } else { options.starts };
     let (mut spent, mut broken_off) = (0, false);
-    for run in 0..trees {
+    for run in 0..RUNS.max(wanted) {
+        if run >= wanted && best.is_some() {
+            break;
+        }
         if run > 0 && !(watch.go_on)() {
+            broken_off = true;
             break;
         }
         let mut rng = stream(options.seed, Purpose::Planner, options.index, 1 + run as u64);
+        let max_samples = SAMPLES << run.min(RUNS - 1);
+        let planner =
+            RrtConnect { shortcut_rounds: SHORT_CUTS, max_samples, ..RrtConnect::default() };
         let RrtRun { trajectory, samples, .. } = planner.plan_while(query, &mut rng, watch.go_on);
         spent += samples;
         broken_off = trajectory.is_none() && samples < planner.max_samples;
         let Some(path) = trajectory else { continue };
         let length = |plan: &Plan| plan.certified().map_or(f64::INFINITY, |path| path.length());
         if best.as_ref().is_none_or(|best| path.length() < length(best)) {
-            best = Some(Plan::of(query, path, optimized.steps, Origin::Tree));
+            best = Some(Plan::of(query, path, 0, Origin::Tree));
         }
     }
     let Some(best) = best else {
+        let optimized = match tried {
+            Some(optimized) => optimized,
+            None => optimized(query, options, watch)?,
+        };
+        if let Some(plan) = shortened(query, options, &optimized) {
+            return Ok(plan);
+        }
         let reason = if broken_off {
             Reason::SamplingBrokenOff { samples: spent }
         } else {
             Reason::SamplesSpent { samples: spent }
         };
-        let status = Status::Unsolved(reason);
-        let none = Plan::none(status, Origin::Tree);
+        let none = Plan::none(Status::Unsolved(reason), Origin::Tree);
         return Ok(Plan { attempt: optimized.attempt, steps: optimized.steps, ..none });
     };
     let smooth = match (options.stop, best.certified()) {
@@ -77,4 +84,20 @@ pub(super) fn plan(
         _ => None,
     };
     Ok(smooth.unwrap_or(best))
+}
+
+/// A few steps of L-BFGS from the straight line.
+fn optimized(query: &Query, options: &Options, watch: Watch<'_>) -> Result<Plan, InvalidInput> {
+    let method = Method::Lbfgs { memory: MEMORY };
+    let few = Options { steps: options.steps.min(STEPS), starts: 1, ..options.clone() };
+    optimize(query, &method, &few, watch)
+}
+
+/// What was optimized with short cuts, if it is a plan.
+fn shortened(query: &Query, options: &Options, optimized: &Plan) -> Option<Plan> {
+    let mut path = optimized.certified()?.clone();
+    let mut rng = stream(options.seed, Purpose::Planner, options.index, 0);
+    let is_free = |from: &[f64], to: &[f64]| query.scene().motion_is_free(from, to);
+    shortcut(&mut path, is_free, SHORT_CUTS, &mut rng);
+    Some(Plan::of(query, path, optimized.steps, optimized.origin))
 }

@@ -24,6 +24,13 @@ use crate::scene::{Query, Scene};
 use crate::trajectory::{Trajectory, distance};
 use tree::Tree;
 
+/// With more than two coordinates, a node whose extension was blocked is extended only towards samples nearer than this part of the
+/// distance that two random configurations have (A. Yershova, L. Jaillet, T. Siméon and S. LaValle, Dynamic-domain RRTs,
+/// ICRA 2005, doi:10.1109/ROBOT.2005.1570709): others would mostly meet the same obstacle.
+const DOMAIN: f64 = 0.7;
+/// One in so many of those others is looked at all the same, so that no tree stands still for ever.
+const REFUSED: usize = 16;
+
 /// Samples from one question whether to go on to the next.
 const SAMPLES_A_QUESTION: usize = 16;
 
@@ -119,7 +126,15 @@ impl RrtConnect {
         }
         let limits = scene.limits();
         let extent = limits.iter().map(|[least, most]| most - least).fold(0.0, f64::max);
-        let mut growth = Growth { scene, step: self.step * extent, to: vec![0.0; limits.len()] };
+        let square: f64 = limits.iter().map(|[least, most]| (most - least) * (most - least)).sum();
+        let domain = DOMAIN * (square / 6.0).sqrt();
+        let mut growth = Growth {
+            scene,
+            step: self.step * extent,
+            domain,
+            refused: 0,
+            to: vec![0.0; limits.len()],
+        };
         let mut trees = [Tree::new(start, limits), Tree::new(goal, limits)];
         let mut sample = vec![0.0; limits.len()];
         while run.samples < self.max_samples {
@@ -154,6 +169,10 @@ impl RrtConnect {
 struct Growth<'a> {
     scene: &'a Scene,
     step: f64,
+    /// Of nodes at an obstacle.
+    domain: f64,
+    /// Samples outside of a node's domain so far.
+    refused: usize,
     /// Where the next motion ends, `[dof]`.
     to: Vec<f64>,
 }
@@ -164,13 +183,23 @@ impl Growth<'_> {
         let near = tree.nearest(target);
         let from = tree.point(near);
         let length = distance(from, target);
+        if length > tree.domain(near) {
+            self.refused += 1;
+            if !self.refused.is_multiple_of(REFUSED) {
+                return None;
+            }
+        }
         if length > self.step {
             lerp(from, target, self.step / length, &mut self.to);
         } else {
             self.to.copy_from_slice(target);
         }
         run.checks += 1;
-        self.scene.motion_is_free(from, &self.to).then(|| tree.push(&self.to, near))
+        if !self.scene.motion_is_free(from, &self.to) {
+            tree.restrict(near, self.domain);
+            return None;
+        }
+        Some(tree.push(&self.to, near))
     }
 
     /// Steps from the nearest node towards `target` until it is seen or the way is blocked; the node

@@ -20,6 +20,8 @@ pub(super) struct Tree {
     parents: Vec<u32>,
     /// The same points for the search, where they have more than two coordinates.
     lanes: Option<Lanes>,
+    /// How far a sample may be that a node is extended towards; with more than two coordinates.
+    domains: Vec<f64>,
     /// Least value of the first two coordinates, and sides of a bucket; a lone coordinate counts twice.
     least: [f64; 2],
     sides: [f64; 2],
@@ -43,6 +45,7 @@ impl Tree {
             points,
             parents: vec![0],
             lanes: (root.len() > 2).then(|| Lanes::new(root)),
+            domains: vec![f64::INFINITY],
             least: axes.map(|[least, _]| least),
             sides: axes.map(|[least, most]| (most - least) / PER_AXIS as f64),
             heads: Vec::new(),
@@ -69,6 +72,7 @@ impl Tree {
         self.parents.push(parent as u32);
         if let Some(lanes) = &mut self.lanes {
             lanes.push(point);
+            self.domains.push(f64::INFINITY);
         } else if node == MOST_WITHOUT_BUCKETS {
             self.heads = vec![NONE; PER_AXIS * PER_AXIS];
             (0..=node).for_each(|node| self.file(node));
@@ -76,6 +80,18 @@ impl Tree {
             self.file(node);
         }
         node
+    }
+
+    /// How far from a node samples may be; infinite with two coordinates.
+    pub(super) fn domain(&self, node: usize) -> f64 {
+        self.domains.get(node).copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// A node's extension was blocked: it stands at the edge of what is free, and samples beyond `domain` are in vain.
+    pub(super) fn restrict(&mut self, node: usize, domain: f64) {
+        if self.lanes.is_some() {
+            self.domains[node] = domain;
+        }
     }
 
     /// Puts a node into its bucket.
