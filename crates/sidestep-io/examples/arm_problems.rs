@@ -1,6 +1,9 @@
 //! Plans the problems of a file for a robot with joints and says how many were solved and how fast.
 //!
-//! `cargo run --release -p sidestep-io --example arm_problems -- PROBLEMS.json ROBOT.urdf ROBOT.srdf [PLANNER] [REPEATS]`
+//! `cargo run --release -p sidestep-io --example arm_problems -- PROBLEMS.json ROBOT.urdf ROBOT.srdf [PLANNER] [REPEATS] [DENSITY]`
+//!
+//! With a DENSITY each plan is judged once more by what shares nothing with the certificate: so many configurations for each radian of it,
+//! each ball against each piece of the world and each ball of another link by the slow formulas in f64. One that penetrates ends the run.
 //!
 //! A time is the shortest of REPEATS runs, from world and robot to the plan: preparation of the scene, search, short cuts.
 //! `proof` is one more certificate of the finished plan.
@@ -12,7 +15,8 @@ use std::time::Instant;
 
 use sidestep::arm::Arm;
 use sidestep::arm::certificate::{Certifier, Verdict};
-use sidestep::{Options, Planner, Setting, Task, plan};
+use sidestep::space::World;
+use sidestep::{Options, Planner, Setting, Task, Trajectory, plan};
 use sidestep_io::robots::{read_srdf, read_urdf};
 use sidestep_io::scenes::{Problem, read_problems};
 
@@ -30,7 +34,8 @@ fn main() -> Result<(), Failure> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [problems, urdf, srdf, rest @ ..] = args.as_slice() else {
         return Err(
-            "usage: arm_problems PROBLEMS.json ROBOT.urdf ROBOT.srdf [PLANNER] [REPEATS]".into()
+            "usage: arm_problems PROBLEMS.json ROBOT.urdf ROBOT.srdf [PLANNER] [REPEATS] [DENSITY]"
+                .into(),
         );
     };
     let mut none = |_: &str| Err(std::io::Error::other("no file"));
@@ -55,6 +60,8 @@ fn main() -> Result<(), Failure> {
     let name = rest.first().map_or("auto", String::as_str);
     let planner: Planner = name.parse()?;
     let repeats = rest.get(1).map_or(Ok(3), |n| n.parse())?;
+    let density: f64 = rest.get(2).map_or(Ok(0.0), |n| n.parse())?;
+    let mut judge = Judge::new(&arm, density);
     let mut sets: Vec<(String, Row)> = Vec::new();
     let mut all = Row::default();
     for (index, problem) in problems.iter().enumerate() {
@@ -64,7 +71,7 @@ fn main() -> Result<(), Failure> {
             sets.push((set, Row::default()));
             sets.len() - 1
         });
-        let row = solve(&arm, &planner, index, problem, repeats)?;
+        let row = solve(&arm, &planner, index, problem, repeats, &mut judge)?;
         all.add(&row);
         sets[at].1.add(&row);
     }
@@ -96,7 +103,78 @@ fn main() -> Result<(), Failure> {
             mean(&row.points)
         );
     }
+    if density > 0.0 {
+        let Judge { plans, configurations, least, .. } = judge;
+        println!(
+            "{plans} plans judged at {configurations} configurations, {density} a radian: none penetrates, least gap {:.3} mm",
+            1e3 * least
+        );
+    }
     Ok(())
+}
+
+/// Looks at a plan's configurations one by one.
+struct Judge {
+    /// Configurations for each radian; 0 for none.
+    density: f64,
+    /// Balls of links that must not touch.
+    pairs: Vec<[usize; 2]>,
+    plans: usize,
+    configurations: usize,
+    /// The least gap of all, metres.
+    least: f64,
+}
+
+impl Judge {
+    fn new(arm: &Arm, density: f64) -> Self {
+        let links: Vec<&str> = (0..arm.ball_count()).map(|ball| arm.link_of_ball(ball)).collect();
+        let of = |link: &str| -> Vec<usize> {
+            (0..links.len()).filter(|&ball| links[ball] == link).collect()
+        };
+        let mut pairs = Vec::new();
+        for (a, b) in arm.self_collision_pairs() {
+            pairs.extend(of(a).iter().flat_map(|&i| of(b).into_iter().map(move |j| [i, j])));
+        }
+        Self { density, pairs, plans: 0, configurations: 0, least: f64::INFINITY }
+    }
+
+    fn look(&mut self, arm: &Arm, world: &World, path: &Trajectory) -> Result<(), Failure> {
+        if self.density <= 0.0 {
+            return Ok(());
+        }
+        self.plans += 1;
+        for (from, to) in path.segments() {
+            let square: f64 = from.iter().zip(to).map(|(a, b)| (a - b) * (a - b)).sum();
+            let count = (square.sqrt() * self.density).ceil().max(1.0) as usize;
+            for step in 0..=count {
+                let t = step as f64 / count as f64;
+                let q: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + t * (b - a)).collect();
+                let gap = self.gap(arm, world, &q);
+                if gap < 0.0 {
+                    return Err(format!("a plan penetrates by {} m at {q:?}", -gap).into());
+                }
+                self.least = self.least.min(gap);
+                self.configurations += 1;
+            }
+        }
+        Ok(())
+    }
+
+    fn gap(&self, arm: &Arm, world: &World, q: &[f64]) -> f64 {
+        let balls = arm.balls_at(q);
+        let mut gap = f64::INFINITY;
+        for ball in &balls {
+            for piece in 0..world.pieces() {
+                gap = gap.min(world.distance(piece as u32, ball.center).0 - ball.radius);
+            }
+        }
+        for &[i, j] in &self.pairs {
+            let (a, b) = (&balls[i], &balls[j]);
+            let square: f64 = (0..3).map(|k| (a.center[k] - b.center[k]).powi(2)).sum();
+            gap = gap.min(square.sqrt() - a.radius - b.radius);
+        }
+        gap
+    }
 }
 
 /// What came of some problems.
@@ -128,6 +206,7 @@ fn solve(
     index: usize,
     problem: &Problem,
     repeats: usize,
+    judge: &mut Judge,
 ) -> Result<Row, Failure> {
     let mut row = Row { count: 1, ..Row::default() };
     let world = Arc::clone(&problem.world);
@@ -165,6 +244,7 @@ fn solve(
         solved = Some(path);
     }
     if let Some(path) = solved {
+        judge.look(arm, &world, &path)?;
         row.times.push(best);
         row.proofs.push(proof);
         row.lengths.push(path.length());

@@ -11,6 +11,9 @@ use rand_chacha::ChaCha8Rng;
 use super::lerp;
 use crate::trajectory::{Trajectory, distance};
 
+/// With more than two coordinates, a short cut at least this part of what it cuts off is not worth its proof.
+const WORTH: f64 = 0.999;
+
 /// Shortens a certified path in place; it stays certified, as `is_free(from, to)` says of motions, and keeps its ends.
 ///
 /// `rounds` random short cuts are tried, with vertex removal before and after them. Returns the
@@ -50,7 +53,9 @@ fn shortcut_in(
         along.sort_by(f64::total_cmp);
         let (p, q) = cut.split_at_mut(dof);
         let (i, j) = (place(dof, &points, along[0], p), place(dof, &points, along[1], q));
-        if i < j {
+        // Where the path is as good as straight there is nothing to win.
+        let wins = dof == 2 || distance(p, q) < WORTH * (along[1] - along[0]);
+        if i < j && wins {
             checks += 3;
             // The two pieces that are left of segments i and j are new segments to certify, since
             // rounding moves p and q off them by a hair.
