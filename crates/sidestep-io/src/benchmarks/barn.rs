@@ -84,6 +84,9 @@ pub fn read(text: &str, question: &Question) -> Result<Vec<Task>, FormatError> {
             .map_err(|invalid| root.refused(&format!(".{}", invalid.field), invalid))?;
         tasks.push((number, task));
     }
+    if tasks.is_empty() {
+        return Err(worlds.found("no world", "at least one world"));
+    }
     tasks.sort_by_key(|&(number, _)| number);
     Ok(tasks.into_iter().map(|(_, task)| task).collect())
 }

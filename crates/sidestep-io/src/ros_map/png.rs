@@ -3,7 +3,7 @@
 
 use std::io::Cursor;
 
-use png::{BitDepth, Decoder, DecodingError, Limits, Transformations};
+use png::{BitDepth, ColorType, Decoder, DecodingError, Info, Limits, Transformations};
 
 use super::occupancy::{Cells, Occupancy, luma, to_byte};
 use super::{check_size, wrong_image};
@@ -32,6 +32,7 @@ pub(super) fn read(bytes: &[u8], occupancy: &Occupancy) -> Result<Cells, FormatE
     check_size(width, height, most, &format!("at most {most} pixels"), bytes.len())?;
 
     let mut reader = decoder.read_info().map_err(broken)?;
+    check_palette(reader.info())?;
     let mut cells = Cells::with_capacity(width as usize, height as usize);
     let (color, depth) = reader.output_color_type();
     let kind = Kind { channels: color.samples(), deep: depth == BitDepth::Sixteen };
@@ -55,6 +56,21 @@ pub(super) fn read(bytes: &[u8], occupancy: &Occupancy) -> Result<Cells, FormatE
         reader.finish().map_err(broken)?;
     }
     Ok(cells)
+}
+
+/// Refuses a palette of broken colours, or with more opacities than colours: the decoder relies on whole ones.
+fn check_palette(info: &Info<'_>) -> Result<(), FormatError> {
+    let Some(palette) = &info.palette else { return Ok(()) };
+    let opacities = match (info.color_type, &info.trns) {
+        (ColorType::Indexed, Some(opacities)) => opacities.len(),
+        _ => 0,
+    };
+    let colours = palette.len() / 3;
+    if palette.len() % 3 == 0 && (1..=256).contains(&colours) && opacities <= colours {
+        return Ok(());
+    }
+    let found = format!("a PNG palette of {} bytes with {opacities} opacities", palette.len());
+    Err(wrong_image(found, "1 to 256 colours of 3 bytes, and at most one opacity each"))
 }
 
 /// How the samples of an image lie.
