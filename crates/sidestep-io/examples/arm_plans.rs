@@ -1,4 +1,4 @@
-//! Plans problems for a robot with joints and writes the plans, for others to judge.
+//! Plans problems for a robot with joints with `auto` and writes the plans, for others to judge.
 //!
 //! ```text
 //! cargo run --release -p sidestep-io --example arm_plans -- robot.urdf robot.srdf plans.jsonl \
@@ -18,7 +18,6 @@ use std::time::Instant;
 
 use serde_json::json;
 use sidestep::arm::Arm;
-use sidestep::plan::rrt_connect::RrtConnect;
 use sidestep::scene::Setting;
 use sidestep::space::Hull;
 use sidestep::{InvalidInput, Options, Planner, Status, Task, plan};
@@ -67,7 +66,7 @@ fn main() -> Result<(), Failure> {
 }
 
 fn plan_all(arm: &Arc<Arm>, problems: &[Problem], out: &str) -> Result<(), Failure> {
-    let planner = Planner::RrtConnect(RrtConnect::default());
+    let planner = Planner::default();
     let mut file = std::io::BufWriter::new(std::fs::File::create(out)?);
     let (mut solved, mut invalid) = (0, 0);
     for (index, problem) in problems.iter().enumerate() {
