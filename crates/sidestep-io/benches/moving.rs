@@ -53,8 +53,9 @@ fn measured(map: &str, moves: usize, radius: f64, margin: f64) -> serde_json::Va
     let robot = Robot::disc(reach).unwrap();
     let mut rng = stream(3, Purpose::Query, 0, 0);
     let mut queries = random_queries("", &world, robot, moves.div_ceil(MOVES_A_QUERY), 3).unwrap();
-    let (mut times, mut solved, mut unsolvable, mut kept, mut turns) =
-        (Vec::new(), 0, 0, 0, Vec::<f64>::new());
+    let (mut first, mut times) = (Vec::new(), Vec::new());
+    let (mut solved, mut unsolvable, mut kept, mut mended, mut turns) =
+        (0, 0, 0, 0, Vec::<f64>::new());
     for task in &mut queries {
         let plane = task.plane().unwrap();
         let ends = [plane.start, plane.goal];
@@ -63,11 +64,13 @@ fn measured(map: &str, moves: usize, radius: f64, margin: f64) -> serde_json::Va
             boxes.extend(free_box(&world, reach, &ends, None, &mut rng));
         }
         let mut last = None;
-        for _ in 0..MOVES_A_QUERY {
+        for moved in 0..=MOVES_A_QUERY {
             let which = rng.random_range(0..BOXES);
             let from = boxes[which].bounding_box();
-            if let Some(moved) = free_box(&world, reach, &ends, Some(from), &mut rng) {
-                boxes[which] = moved;
+            if moved > 0
+                && let Some(box_moved) = free_box(&world, reach, &ends, Some(from), &mut rng)
+            {
+                boxes[which] = box_moved;
             }
             let begin = Instant::now();
             let every = world.obstacles().iter().chain(&boxes).cloned().collect();
@@ -76,25 +79,35 @@ fn measured(map: &str, moves: usize, radius: f64, margin: f64) -> serde_json::Va
             let query = Query::of(&task, &Profile::DEFAULT);
             let options = Options { warm_start: last.take(), ..Options::default() };
             let plan = plan_in(&query, &Planner::default(), &options, Watch::NONE).unwrap();
-            times.push(1e3 * begin.elapsed().as_secs_f64());
+            let time = 1e3 * begin.elapsed().as_secs_f64();
+            // Nothing has moved yet when a question is asked for the first time.
+            last = plan.certified().cloned();
+            if moved == 0 {
+                first.push(time);
+                continue;
+            }
+            times.push(time);
             unsolvable += usize::from(plan.status.name() == "unsolvable");
             if let Some(path) = plan.certified() {
                 solved += 1;
                 kept += usize::from(plan.origin == Origin::WarmStart);
+                mended += usize::from(plan.origin == Origin::MendedWarmStart);
                 turns.push(path.sharpest_turn().to_degrees());
             }
-            last = plan.certified().cloned();
         }
     }
     times.sort_by(f64::total_cmp);
+    first.sort_by(f64::total_cmp);
     let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize];
     serde_json::json!({
         "map": path.file_name().unwrap().to_string_lossy(),
         "moves": times.len(),
         "solved": solved,
         "unsolvable": unsolvable,
-        "from_the_last_plan": kept,
+        "the_last_plan": kept,
+        "the_last_plan_mended": mended,
         "turns_above_20_degrees": turns.iter().filter(|turn| **turn > 20.0).count(),
+        "first_plan_ms_p50": first[first.len() / 2],
         "ms_p50": at(0.5),
         "ms_p99": at(0.99),
         "ms_most": at(1.0),

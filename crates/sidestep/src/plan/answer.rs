@@ -184,6 +184,8 @@ pub enum Origin {
     RandomStart(usize),
     /// The given warm start itself, which is still certified.
     WarmStart,
+    /// The given warm start, with a way round what blocks it now.
+    MendedWarmStart,
     /// The exact shortest path, made smooth.
     SmoothShortestPath,
     /// The exact shortest path itself.
@@ -200,6 +202,7 @@ impl std::fmt::Display for Origin {
             Self::FirstStart => f.write_str("optimized from the first start"),
             Self::RandomStart(start) => write!(f, "optimized from random start {start}"),
             Self::WarmStart => f.write_str("the warm start, still free"),
+            Self::MendedWarmStart => f.write_str("the warm start, mended where it was blocked"),
             Self::SmoothShortestPath => f.write_str("smoothed from the shortest path"),
             Self::ShortestPath => f.write_str("the shortest path"),
             Self::SmoothTree => f.write_str("smoothed from a random tree"),

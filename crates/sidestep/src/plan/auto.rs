@@ -8,8 +8,11 @@
 //! 4. The shortest path made smooth ([`crate::plan::smooth`]).
 //! 5. The shortest path itself.
 //!
+//! A warm start that is still free comes right after the straight line. On a map, where the first plan is asked for and something
+//! stands on the warm start, a way round that is not much longer is the answer (`mend`): boxes move, maps hardly do.
+//!
 //! So every task is answered that the exact search decides in the time that there is, and no plan is longer than
-//! [`LONGEST`] times the shortest. Where the search does not decide, the thorough optimizer from random starts follows.
+//! [`LONGEST`] times the shortest, but for those from a warm start on a map. Where the search does not decide, the thorough optimizer from random starts follows.
 //!
 //! The exact search knows nothing of robots with joints, nor do the shipped policies: `jointed` plans for them.
 
@@ -18,6 +21,7 @@ use crate::optimizer::Method;
 use crate::plan::answer::{Origin, Plan, Status};
 use crate::plan::exact::shortest;
 use crate::plan::jointed;
+use crate::plan::mend::mended;
 use crate::plan::optimize::optimize;
 use crate::plan::options::{Options, Stop, Watch};
 use crate::plan::polish::{polish, score};
@@ -86,8 +90,10 @@ impl Auto {
         let on_map = query.scene().plane().is_some_and(PlaneScene::is_map);
         let wishes = options.wishes.unwrap_or_default();
         let polished = |plan: Plan| polish(query, plan, &wishes, watch);
-        if query.terms().is_empty()
-            && let Some(plan) = still_free(query, options)
+        let warm = warm_start(query, options).filter(|_| query.terms().is_empty());
+        if let Some(warm) = &warm
+            && let plan = Plan::of(query, warm.clone(), 0, Origin::WarmStart)
+            && plan.is_solved()
         {
             let plan = polished(plan);
             let longest = if on_map { LONGEST_WARM } else { LONGEST };
@@ -102,6 +108,14 @@ impl Auto {
             let exact = shortest(query, watch);
             let exact = exact.filter(|exact| !exact.certified().is_none_or(|p| short(p.length())));
             return Ok(exact.map_or(plan, polished));
+        }
+        // Nor does it have to look at the whole map for what a box changed.
+        if on_map
+            && options.stop == Stop::First
+            && let Some(warm) = &warm
+            && let Some(plan) = mended(query, warm, options, watch)
+        {
+            return Ok(polished(plan));
         }
         if on_map
             && options.stop == Stop::First
@@ -175,14 +189,12 @@ impl Auto {
     }
 }
 
-/// The warm start as a plan, where it is still free from the start to the goal of the query.
-fn still_free(query: &Query, options: &Options) -> Option<Plan> {
+/// The warm start between the ends of the query, where there is one.
+fn warm_start(query: &Query, options: &Options) -> Option<Trajectory> {
     let warm = options.warm_start.as_ref().filter(|warm| warm.dof() == query.start().len())?;
     let dof = warm.dof();
     let inner = warm.values().get(dof..warm.values().len().saturating_sub(dof)).unwrap_or(&[]);
-    let path = Trajectory::new(dof, [query.start(), inner, query.goal()].concat());
-    let plan = Plan::of(query, path, 0, Origin::WarmStart);
-    plan.is_solved().then_some(plan)
+    Some(Trajectory::new(dof, [query.start(), inner, query.goal()].concat()))
 }
 
 /// A certified path made smooth, where that works.

@@ -10,6 +10,7 @@ mod auto;
 mod exact;
 pub mod fair;
 mod jointed;
+mod mend;
 mod optimize;
 mod options;
 pub(crate) mod parallel;

@@ -1,5 +1,7 @@
 //! What a robot moves in: bounds, obstacle shapes and at most one occupancy grid.
 
+use std::sync::Arc;
+
 use crate::error::{InvalidInput, finite, finite_point};
 use crate::plane::geometry::{Circle, ConvexPolygon, Point, Rect};
 
@@ -53,14 +55,14 @@ impl Obstacle {
     }
 }
 
-/// An occupancy grid: square cells, row 0 at the bottom, column 0 at the left.
+/// An occupancy grid: square cells, row 0 at the bottom, column 0 at the left. Clones share the cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
     width: usize,
     height: usize,
     resolution: f64,
     origin: Point,
-    occupied: Vec<bool>,
+    occupied: Arc<Vec<bool>>,
 }
 
 /// The tolerance of fields of 1e4 units and more: some three times the rounding at
@@ -105,7 +107,7 @@ impl Grid {
         }
         let far = [origin[0] + width as f64 * resolution, origin[1] + height as f64 * resolution];
         finite_point("grid.origin + size", far)?;
-        Ok(Self { width, height, resolution, origin, occupied })
+        Ok(Self { width, height, resolution, origin, occupied: Arc::new(occupied) })
     }
 
     /// Number of columns.

@@ -68,6 +68,11 @@ impl Query {
         Self { scene, ends: [&task.start[..], &task.goal].concat(), terms: Vec::new() }
     }
 
+    /// The same question between two other configurations `[dof]`, in task units.
+    pub(crate) fn between(&self, start: &[f64], goal: &[f64]) -> Self {
+        Self { scene: self.scene.clone(), ends: [start, goal].concat(), terms: self.terms.clone() }
+    }
+
     /// The same question with a cost of one's own in U besides obstacles and length. `term` sees start `[dof]`, waypoints `[N x dof]`
     /// and goal `[dof]` in normalised units, returns what they cost, and adds the slopes of that to the gradient `[N x dof]`
     /// where there is one. What is certified does not change, only what is preferred; planners that use no gradient
