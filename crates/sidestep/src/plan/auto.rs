@@ -95,7 +95,10 @@ impl Auto {
             && let plan = Plan::of(query, warm.clone(), 0, Origin::WarmStart)
             && plan.is_solved()
         {
-            let plan = polished(plan);
+            // What bends as little as is wished was polished before, most likely.
+            let round = plan.certified().is_some_and(|path| wishes.are_kept(path));
+            let kept = on_map && options.stop == Stop::First && round;
+            let plan = if kept { plan } else { polished(plan) };
             let longest = if on_map { LONGEST_WARM } else { LONGEST };
             let short = |shortest: f64| {
                 plan.certified().is_some_and(|path| path.length() <= longest * shortest)

@@ -28,6 +28,27 @@ impl BitGrid {
         Self { width, height, words_per_row, words }
     }
 
+    /// The set cells that have a clear one, or the array's end, on one of their four sides.
+    pub(crate) fn border(&self) -> Self {
+        let mut border = self.clone();
+        let empty = vec![0; self.row(0).len()];
+        for row in 0..self.height() {
+            let here = self.row(row);
+            let below = if row > 0 { self.row(row - 1) } else { &empty };
+            let above = if row + 1 < self.height() { self.row(row + 1) } else { &empty };
+            for (index, word) in border.row_mut(row).iter_mut().enumerate() {
+                let before = if index > 0 { here[index - 1] >> 63 } else { 0 };
+                let after = here.get(index + 1).map_or(0, |next| next << 63);
+                let surrounded = (here[index] << 1 | before)
+                    & (here[index] >> 1 | after)
+                    & below[index]
+                    & above[index];
+                *word &= !surrounded;
+            }
+        }
+        border
+    }
+
     /// Number of columns.
     pub(crate) fn width(&self) -> usize {
         self.width

@@ -1,8 +1,9 @@
 //! What a robot moves in: bounds, obstacle shapes and at most one occupancy grid.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::error::{InvalidInput, finite, finite_point};
+use crate::plane::bit_grid::BitGrid;
 use crate::plane::geometry::{Circle, ConvexPolygon, Point, Rect};
 
 /// A solid shape; its inside is forbidden.
@@ -55,14 +56,29 @@ impl Obstacle {
     }
 }
 
-/// An occupancy grid: square cells, row 0 at the bottom, column 0 at the left. Clones share the cells.
+/// An occupancy grid: square cells, row 0 at the bottom, column 0 at the left. Clones share the cells and what was prepared of
+/// them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
     width: usize,
     height: usize,
     resolution: f64,
     origin: Point,
-    occupied: Arc<Vec<bool>>,
+    occupied: Arc<Occupied>,
+}
+
+/// The cells, and what certificates prepare of them, once for all worlds that share the grid.
+#[derive(Debug)]
+struct Occupied {
+    cells: Vec<bool>,
+    bits: OnceLock<Arc<BitGrid>>,
+    border: OnceLock<Arc<BitGrid>>,
+}
+
+impl PartialEq for Occupied {
+    fn eq(&self, other: &Self) -> bool {
+        self.cells == other.cells
+    }
 }
 
 /// The tolerance of fields of 1e4 units and more: some three times the rounding at
@@ -107,7 +123,9 @@ impl Grid {
         }
         let far = [origin[0] + width as f64 * resolution, origin[1] + height as f64 * resolution];
         finite_point("grid.origin + size", far)?;
-        Ok(Self { width, height, resolution, origin, occupied: Arc::new(occupied) })
+        let (bits, border) = (OnceLock::new(), OnceLock::new());
+        let occupied = Arc::new(Occupied { cells: occupied, bits, border });
+        Ok(Self { width, height, resolution, origin, occupied })
     }
 
     /// Number of columns.
@@ -132,14 +150,25 @@ impl Grid {
 
     /// All cells, row-major from the bottom row up; `true` is occupied.
     pub fn cells(&self) -> &[bool] {
-        &self.occupied
+        &self.occupied.cells
+    }
+
+    /// The cells as bits.
+    pub(crate) fn bits(&self) -> &Arc<BitGrid> {
+        let pack = || Arc::new(BitGrid::from_bools(self.width, self.height, self.cells()));
+        self.occupied.bits.get_or_init(pack)
+    }
+
+    /// Occupied cells beside a free one.
+    pub(crate) fn border(&self) -> &Arc<BitGrid> {
+        self.occupied.border.get_or_init(|| Arc::new(self.bits().border()))
     }
 
     /// Whether the cell is occupied; cells outside the grid are not.
     pub fn is_occupied(&self, column: i64, row: i64) -> bool {
         let inside =
             (0..self.width as i64).contains(&column) && (0..self.height as i64).contains(&row);
-        inside && self.occupied[row as usize * self.width + column as usize]
+        inside && self.occupied.cells[row as usize * self.width + column as usize]
     }
 
     /// Column and row of the cell that holds `p`; may lie outside the grid.

@@ -6,6 +6,8 @@
 //! algorithm, Eurographics 1987, with closed cells: both neighbours of a touched line are visited).
 //! Rows and columns are in cell units; everything outside the grid is free.
 
+use std::sync::Arc;
+
 use super::distance::{segment_polygon_distance, segment_rect_distance};
 use crate::plane::bit_grid::BitGrid;
 use crate::plane::geometry::{ConvexPolygon, Point, Rect, cross, norm, sub};
@@ -32,10 +34,10 @@ pub(crate) enum Growth {
 /// Occupied cells, where they lie and what they are grown to.
 #[derive(Debug, Clone)]
 pub(crate) struct Cells {
-    bits: BitGrid,
+    bits: Arc<BitGrid>,
     /// Occupied cells beside a free one, on which the nearest point of all cells lies; empty for
     /// square growth, which does not use it.
-    border: BitGrid,
+    border: Arc<BitGrid>,
     origin: Point,
     resolution: f64,
     growth: Growth,
@@ -44,10 +46,10 @@ pub(crate) struct Cells {
 impl Cells {
     /// Packs a grid's occupied cells.
     pub(crate) fn new(grid: &Grid, growth: Growth) -> Self {
-        let bits = BitGrid::from_bools(grid.width(), grid.height(), grid.cells());
+        let bits = grid.bits().clone();
         let border = match growth {
-            Growth::Square(_) => BitGrid::new(0, 0),
-            _ => border(&bits),
+            Growth::Square(_) => Arc::new(BitGrid::new(0, 0)),
+            _ => grid.border().clone(),
         };
         Self { bits, border, origin: grid.origin(), resolution: grid.resolution(), growth }
     }
@@ -220,25 +222,4 @@ impl Cells {
         }
         None
     }
-}
-
-/// The set cells that have a clear one, or the array's end, on one of their four sides.
-fn border(bits: &BitGrid) -> BitGrid {
-    let mut border = bits.clone();
-    let empty = vec![0; bits.row(0).len()];
-    for row in 0..bits.height() {
-        let here = bits.row(row);
-        let below = if row > 0 { bits.row(row - 1) } else { &empty };
-        let above = if row + 1 < bits.height() { bits.row(row + 1) } else { &empty };
-        for (index, word) in border.row_mut(row).iter_mut().enumerate() {
-            let before = if index > 0 { here[index - 1] >> 63 } else { 0 };
-            let after = here.get(index + 1).map_or(0, |next| next << 63);
-            let surrounded = (here[index] << 1 | before)
-                & (here[index] >> 1 | after)
-                & below[index]
-                & above[index];
-            *word &= !surrounded;
-        }
-    }
-    border
 }
