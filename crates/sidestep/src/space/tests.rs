@@ -111,7 +111,8 @@ proptest! {
             }
             prop_assert!((norm(normal) - 1.0).abs() < 1e-9, "{normal:?}");
             let attained = dot(normal, p) - support(&shape, piece, normal);
-            prop_assert!((attained - distance).abs() < 1e-9, "{distance} attains {attained}");
+            // The direction from a needle is no better than rounding over its height.
+            prop_assert!((attained - distance).abs() < 1e-8, "{distance} attains {attained}");
             for &u in &others {
                 prop_assert!(dot(u, p) - support(&shape, piece, u) <= distance + 1e-9);
             }
