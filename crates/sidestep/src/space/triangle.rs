@@ -35,11 +35,18 @@ impl Triangle {
     /// From its corners, in either order round.
     pub(super) fn new(corners: [Vector; 3]) -> Self {
         let along = [0, 1, 2].map(|i| sub(corners[(i + 1) % 3], corners[i]));
-        let longest = along.iter().map(|&e| norm(e)).fold(0.0, f64::max);
+        let lengths = along.map(norm);
+        let side = (1..3).fold(0, |a, b| if lengths[b] > lengths[a] { b } else { a });
+        let longest = lengths[side];
         // Twice the area; its height over the longest side is area / longest.
         let area = cross(along[0], along[1]);
         let thin = norm(area) <= THINNEST * longest * longest;
-        let normal = unit(area).filter(|_| !thin).unwrap_or([0.0; 3]);
+        // Of a needle the product is off by rounding over its height; along its longest side that would count.
+        let upright = |normal: Vector| {
+            let axis = scale(along[side], 1.0 / longest);
+            unit(sub(normal, scale(axis, dot(axis, normal))))
+        };
+        let normal = unit(area).filter(|_| !thin).and_then(upright).unwrap_or([0.0; 3]);
         let edges = along.map(|along| {
             let square = dot(along, along);
             Edge {
@@ -64,17 +71,22 @@ impl Triangle {
             let height = dot(self.normal, from[0]);
             return (height.abs(), scale(self.normal, 1.0_f64.copysign(height)));
         }
-        let mut nearest = (f64::INFINITY, [0.0; 3]);
+        let mut nearest = (f64::INFINITY, [0.0; 3], None);
         for (edge, from) in self.edges.iter().zip(from) {
             let t = (dot(edge.along, from) * edge.inverse_square).clamp(0.0, 1.0);
             let across = sub(from, scale(edge.along, t));
             let square = dot(across, across);
             if square < nearest.0 {
-                nearest = (square, across);
+                nearest = (square, across, (0.0 < t && t < 1.0).then_some(edge));
             }
         }
-        let distance = nearest.0.sqrt();
-        match unit(nearest.1) {
+        let (square, mut across, beside) = nearest;
+        let distance = square.sqrt();
+        // Of a point near a side the difference is off along it by rounding of the far longer ones that it is made of.
+        if let Some(Edge { along, inverse_square, .. }) = beside {
+            across = sub(across, scale(*along, dot(*along, across) * inverse_square));
+        }
+        match unit(across) {
             Some(direction) => (distance, direction),
             None if self.is_thin() => (distance, [0.0, 0.0, 1.0]),
             None => (distance, self.normal),
