@@ -12,7 +12,8 @@
 //! stands on the warm start, a way round that is not much longer is the answer (`mend`): boxes move, maps hardly do.
 //!
 //! So every task is answered that the exact search decides in the time that there is, and no plan is longer than
-//! [`LONGEST`] times the shortest, but for those from a warm start on a map. Where the search does not decide, the thorough optimizer from random starts follows.
+//! [`LONGEST`] times the shortest, but for those from a warm start on a map. Where the search does not
+//! decide, the thorough optimizer from random starts follows.
 //!
 //! The exact search knows nothing of robots with joints, nor do the shipped policies: `jointed` plans for them.
 
