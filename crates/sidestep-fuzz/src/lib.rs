@@ -23,7 +23,7 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 21] = [
+pub const TARGETS: [Target; 23] = [
     Target { name: "task_json", run: readers::task_json, longest: 4096 },
     Target { name: "task_lines", run: readers::task_lines, longest: 4096 },
     Target { name: "barn", run: readers::barn, longest: 2048 },
@@ -41,9 +41,11 @@ pub const TARGETS: [Target; 21] = [
     Target { name: "names", run: training::names, longest: 128 },
     Target { name: "urdf", run: robots::urdf, longest: 4096 },
     Target { name: "srdf", run: robots::srdf, longest: 2048 },
+    Target { name: "robot_file", run: robots::robot_file, longest: 4096 },
     Target { name: "scene", run: robots::scene, longest: 2048 },
     Target { name: "problems", run: robots::problems, longest: 4096 },
     Target { name: "plan_document", run: robots::plan_document, longest: 2048 },
+    Target { name: "path_csv", run: readers::path_csv, longest: 1024 },
     Target { name: "planning", run: planning::planning, longest: 256 },
 ];
 

@@ -6,6 +6,7 @@ use std::io;
 use sidestep::{Robot, Task};
 use sidestep_io::benchmarks::{barn as barn_file, mpnet::Simple2d};
 use sidestep_io::drawing::Drawing;
+use sidestep_io::drive::read_csv;
 use sidestep_io::input::{Content, Question, read};
 use sidestep_io::ros_map::{self, Unknown};
 use sidestep_io::{TaskFormat, grid_world, movingai, read_tasks, write_tasks};
@@ -106,4 +107,10 @@ pub fn any_file(bytes: &[u8]) {
     if let Some(Content::Tasks(tasks)) = read.map(|input| input.content) {
         assert!(!tasks.is_empty());
     }
+}
+
+/// A path that was read is one: two points at least, all of them places.
+pub fn path_csv(bytes: &[u8]) {
+    let Some(points) = told(read_csv(&String::from_utf8_lossy(bytes))) else { return };
+    assert!(points.len() >= 2 && points.iter().all(|&[x, y]| x.is_finite() && y.is_finite()));
 }

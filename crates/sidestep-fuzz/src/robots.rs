@@ -5,7 +5,7 @@ use std::io;
 
 use sidestep::arm::Arm;
 use sidestep_io::plan_json::read_waypoints;
-use sidestep_io::robots::{read_srdf, read_urdf};
+use sidestep_io::robots::{read_robot, read_srdf, read_urdf};
 use sidestep_io::scenes::{SceneOptions, read_problems, read_request, read_scene, write_problems};
 
 use crate::readers::told;
@@ -20,13 +20,24 @@ fn none(_: &str) -> io::Result<Vec<u8>> {
 pub fn urdf(bytes: &[u8]) {
     let Some(model) = told(read_urdf(&String::from_utf8_lossy(bytes))) else { return };
     let Some(arm) = told(Arm::new(&model, &[], &HashMap::new())) else { return };
-    let Some(arm) = told(arm.with_self_collisions(&[])) else { return };
+    told(arm.with_self_collisions(&[])).inspect(stands_somewhere);
+}
+
+fn stands_somewhere(arm: &Arm) {
     let middle: Vec<f64> =
         arm.joints().iter().map(|joint| joint.lower.midpoint(joint.upper)).collect();
     if told(arm.check("configuration", &middle)).is_some() {
         let balls = arm.balls_at(&middle);
         assert!(balls.iter().all(|ball| ball.center.iter().all(|x| x.is_finite())));
     }
+}
+
+/// A robot's own file, written and read again, is the same robot.
+pub fn robot_file(bytes: &[u8]) {
+    let Some(robot) = told(read_robot(&String::from_utf8_lossy(bytes))) else { return };
+    let text = robot.to_json();
+    assert_eq!(read_robot(&text).unwrap_or_else(|error| panic!("{error}\n{text}")), robot, "{text}");
+    told(robot.arm()).inspect(stands_somewhere);
 }
 
 pub fn srdf(bytes: &[u8]) {
