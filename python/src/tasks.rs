@@ -272,7 +272,7 @@ pub fn read_problems(
     })
 }
 
-/// The first `count` tasks of a suite and a seed: easy, hard, hard-training, mix, time or varied.
+/// The first `count` tasks of a suite and a seed: easy, hard, hard-training, mix, time, varied, rooms, blobs or scans.
 #[pyfunction]
 #[pyo3(signature = (name, count, *, seed=0))]
 pub fn suite(py: Python<'_>, name: &str, count: usize, seed: u64) -> PyResult<Vec<Task>> {

@@ -36,7 +36,11 @@ fn stands_somewhere(arm: &Arm) {
 pub fn robot_file(bytes: &[u8]) {
     let Some(robot) = told(read_robot(&String::from_utf8_lossy(bytes))) else { return };
     let text = robot.to_json();
-    assert_eq!(read_robot(&text).unwrap_or_else(|error| panic!("{error}\n{text}")), robot, "{text}");
+    assert_eq!(
+        read_robot(&text).unwrap_or_else(|error| panic!("{error}\n{text}")),
+        robot,
+        "{text}"
+    );
     told(robot.arm()).inspect(stands_somewhere);
 }
 

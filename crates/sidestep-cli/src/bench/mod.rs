@@ -45,7 +45,7 @@ Examples:
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct BenchArgs {
-    /// Suite: easy, hard, hard-training, mix, time or varied
+    /// Suite: easy, hard, hard-training, mix, time, varied, rooms, blobs or scans
     #[arg(long, conflicts_with_all = TASK_FLAGS, help_heading = "Tasks")]
     suite: Option<String>,
     /// Tasks per seed
@@ -175,8 +175,8 @@ fn task_groups(args: &BenchArgs, global: &Global) -> Result<Groups, Failure> {
             args.seeds.iter().map(draw).collect()
         }
         None if args.tasks.is_empty() => {
-            let need = "no tasks: give --suite NAME (easy, hard, hard-training, mix, time or \
-                        varied) or --tasks FILE...";
+            let need = "no tasks: give --suite NAME (easy, hard, hard-training, mix, time, \
+                        varied, rooms, blobs or scans) or --tasks FILE...";
             return Err(Failure(need.into()));
         }
         None => {

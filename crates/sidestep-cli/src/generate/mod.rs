@@ -28,7 +28,7 @@ pub const MAX_COUNT: usize = 1_000_000;
     --count 20 --seed 7 --out shelf.json"
 )]
 pub struct GenerateArgs {
-    /// In the plane: easy, hard, hard-training, mix, time or varied. For robots with joints: planar-arm, box, shelf, table,
+    /// In the plane: easy, hard, hard-training, mix, time, varied, rooms, blobs or scans. For robots with joints: planar-arm, box, shelf, table,
     /// cage, or one kind of shelf or table (bookshelf_small, _tall, _thin, table_pick, table_under_pick)
     #[arg(long)]
     suite: String,

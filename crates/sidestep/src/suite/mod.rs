@@ -6,6 +6,7 @@
 //! a stream of its own, and a suite keeps the candidates that pass its filter, in order.
 
 pub mod arms;
+mod pictured;
 pub mod queries;
 
 use std::sync::Arc;
@@ -22,6 +23,8 @@ use crate::plane::world::{Obstacle, World};
 use crate::profile::Profile;
 use crate::rng::{Purpose, stream};
 use crate::scene::{Query, Setting, Task};
+
+use pictured::{Kind, pictured};
 
 /// A named distribution of tasks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -42,6 +45,12 @@ pub enum Suite {
     /// Not the paper's: 1 to 40 rectangles, smaller where there are more, and discs of up to 3 pixels as robots
     /// in half of the tasks. For policies that should serve worlds of many kinds.
     Varied,
+    /// Not the paper's, as the next two: a map of rooms within rooms, joined by doors.
+    Rooms,
+    /// A map of smooth blobs.
+    Blobs,
+    /// A map as a scanner makes it: furniture at all angles, frayed edges, specks.
+    Scans,
 }
 
 /// Steps of gradient descent that decide what is hard.
@@ -51,13 +60,16 @@ const OBSTACLES: usize = 10;
 
 impl Suite {
     /// All suites with their names.
-    pub const NAMES: [(&'static str, Self); 6] = [
+    pub const NAMES: [(&'static str, Self); 9] = [
         ("easy", Self::Easy),
         ("hard", Self::Hard),
         ("hard-training", Self::HardTraining),
         ("mix", Self::Mix),
         ("time", Self::Time),
         ("varied", Self::Varied),
+        ("rooms", Self::Rooms),
+        ("blobs", Self::Blobs),
+        ("scans", Self::Scans),
     ];
 
     /// The suite's name.
@@ -81,15 +93,19 @@ impl Suite {
         profile: &Profile,
         kept: &(dyn Fn() + Sync),
     ) -> Vec<Task> {
-        let every = |draw: fn(u64, u64) -> Task| {
+        let every = |draw: &(dyn Fn(u64, u64) -> Task + Sync)| {
             parallel::map(count, |i| {
                 kept();
                 draw(seed, i as u64)
             })
         };
+        let pictures = |kind| every(&|seed, index| pictured(kind, seed, index));
         match self {
-            Self::Easy => every(candidate),
-            Self::Varied => every(varied),
+            Self::Easy => every(&candidate),
+            Self::Varied => every(&varied),
+            Self::Rooms => pictures(Kind::Rooms),
+            Self::Blobs => pictures(Kind::Blobs),
+            Self::Scans => pictures(Kind::Scans),
             Self::Mix => {
                 let easy = Self::Easy.generate_watched(count.div_ceil(2), seed, profile, kept);
                 let hard = Self::HardTraining.generate_watched(count / 2, seed, profile, kept);
@@ -131,10 +147,10 @@ impl Suite {
     fn keeps(&self, task: &Task, profile: &Profile) -> bool {
         let Some(outcome) = gradient_descent_outcome(task, profile) else { return false };
         match self {
-            Self::Easy | Self::Mix | Self::Varied => true,
             Self::Hard => outcome.first_feasible.is_none(),
             Self::HardTraining => !outcome.feasible_at_end,
             Self::Time => outcome.first_feasible.is_some_and(|step| (11..=100).contains(&step)),
+            _ => true,
         }
     }
 }

@@ -105,7 +105,7 @@ pub struct EnvironmentConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ValidationConfig {
-    /// `easy`, `hard`, `hard-training`, `mix`, `time` or `varied`.
+    /// `easy`, `hard`, `hard-training`, `mix`, `time`, `varied`, `rooms`, `blobs` or `scans`.
     pub suite: String,
     /// How many tasks; 0 for no validation.
     #[schemars(range(min = 0, max = 100_000))]
