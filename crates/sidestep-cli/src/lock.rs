@@ -18,6 +18,16 @@ pub struct Lock {
 impl Lock {
     /// Makes the folder where it is missing, and locks it.
     pub fn folder(folder: &Path) -> Result<Self, Failure> {
+        Self::take(folder, File::try_lock)
+    }
+
+    /// The same, beside other processes that share it: no one of them excludes another, and a run
+    /// that wants the folder for itself excludes all.
+    pub fn shared(folder: &Path) -> Result<Self, Failure> {
+        Self::take(folder, File::try_lock_shared)
+    }
+
+    fn take(folder: &Path, lock: fn(&File) -> Result<(), TryLockError>) -> Result<Self, Failure> {
         fs::create_dir_all(folder)
             .map_err(|error| Failure::file(folder, format!("cannot be made ({error})")))?;
         let path = folder.join(".lock");
@@ -29,7 +39,7 @@ impl Lock {
             .truncate(false)
             .open(&path)
             .map_err(|error| Failure::file(&path, format!("cannot be written ({error})")))?;
-        match file.try_lock() {
+        match lock(&file) {
             Ok(()) => {
                 // Who holds it is only a help to people.
                 let _ = file.set_len(0).and_then(|()| writeln!(file, "{}", std::process::id()));

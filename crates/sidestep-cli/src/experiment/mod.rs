@@ -1,294 +1,155 @@
 //! `sidestep experiment`: trains and measures what a file names, and writes one report.
 //!
 //! Trainings run side by side, one per core, and are kept in the output folder: a run that was
-//! broken off goes on with those that are missing.
+//! broken off goes on with those that are missing. The same work is a list of cells ([`cells`]),
+//! each for a process of its own anywhere, whose results are merged into the same report.
 
+mod cells;
 mod check;
 pub mod config;
+mod measuring;
 pub mod report;
 mod training;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::Args;
-use indicatif::ProgressBar;
-use sidestep::Task;
-use sidestep::optimizer::Method;
-use sidestep::plan::starts::StartStrategy;
-use sidestep::plan::{Options, Planner};
-use sidestep::policy::PolicyCard;
-use sidestep::profile::Profile;
-use sidestep::suite::Suite;
 
 use crate::Global;
-use crate::bench::iterates::{EveryIterate, every_iterate, race};
-use crate::bench::measure::{Exact, TaskSet, plans};
-use crate::bench::timing::us_per_iteration;
-use crate::bench::{exact_answers, statistics::mean};
 use crate::failure::Failure;
 use crate::input::read_text;
 use crate::lock::Lock;
 use crate::machine::Provenance;
 use crate::output;
-use crate::planning::planner;
 use crate::table;
-use config::{BaselineEntry, Measure, PolicyEntry};
-use report::{Cell, ExperimentReport, FORMAT, STEPS};
-use training::{Trained, train_all};
-
-/// Tasks of each set on which iterations are timed.
-const TIMED: usize = 50;
+use cells::{CellFile, Work};
+use config::Experiment;
+use measuring::{Prepared, baseline_cells, policy_cells, prepare};
+use report::{Cell, ExperimentReport, FORMAT};
+use training::{Trained, Trainings};
 
 /// Arguments of `experiment`.
 #[derive(Args)]
+#[command(after_help = "Example:\n  sidestep experiment experiments/table-1.toml\n\n\
+    Its cells in processes of their own, on machines that share the folder:\n  \
+    sidestep experiment E.toml --list\n  \
+    seq 0 17 | xargs -P 4 -I {} sidestep experiment E.toml --cell {} --threads 1\n  \
+    sidestep experiment E.toml --merge")]
 pub struct ExperimentArgs {
     /// Experiment file
     experiment: PathBuf,
     /// Folder for policies and the report [default: runs/NAME]
     #[arg(long)]
     out: Option<PathBuf>,
+    /// List the cells: one for each training, with its measurements, and one for each baseline
+    #[arg(long, conflicts_with_all = ["cell", "merge"])]
+    list: bool,
+    /// Work on this cell alone; nothing is done for one that is finished
+    #[arg(long, value_name = "I", conflicts_with = "merge")]
+    cell: Option<usize>,
+    /// Make the report of the cells, all of them finished
+    #[arg(long)]
+    merge: bool,
+    /// Seconds between checkpoints of a training
+    #[arg(long, default_value_t = 30.0, allow_negative_numbers = true)]
+    checkpoint_every: f64,
 }
 
-/// Trains, measures, writes `report.json` and prints its table.
+/// Trains, measures, writes `report.json` and prints its table; or a part of that.
 pub fn run(args: &ExperimentArgs, global: &Global) -> Result<(), Failure> {
-    let begin = Instant::now();
     let experiment = check::read(&read_text(&args.experiment)?)
         .map_err(|Failure(message)| Failure::file(&args.experiment, message))?;
     let folder = args.out.clone().unwrap_or_else(|| Path::new("runs").join(&experiment.name));
+    if args.list {
+        return cells::list(&experiment, &folder, global.json);
+    }
+    let interval = Duration::try_from_secs_f64(args.checkpoint_every).map_err(|_| {
+        let found = format!("{} is not allowed", args.checkpoint_every);
+        Failure::at("--checkpoint-every", format!("{found}; expected seconds, 0 or more"))
+    })?;
+    let trainings = Trainings { experiment: &experiment, folder: &folder, interval };
+    if let Some(index) = args.cell {
+        return one_cell(index, &trainings, global);
+    }
+    if args.merge {
+        let report = cells::merge_files(experiment, &folder)?;
+        let _lock = Lock::shared(&folder)?;
+        return finish(&report, &folder, global);
+    }
+    let begin = Instant::now();
     let _lock = Lock::folder(&folder)?;
-    std::fs::create_dir_all(folder.join("policies"))
-        .map_err(|error| Failure::file(&folder, format!("cannot be made ({error})")))?;
-    let trained = train_all(&experiment, &folder, global.quiet)?;
+    let trained = trainings.all(global.quiet)?;
     let measures = prepare(&experiment.measure, global.quiet)?;
-    let mut cells = Vec::new();
-    let count = (trained.len() + experiment.baselines.len()) * measures.len();
-    let bar = output::progress("measuring", count as u64, global.quiet);
-    for group in measures.chunk_by(|a, b| a.measure.races_with(b.measure)) {
-        for (entry, policies) in experiment.policies.iter().zip(&trained) {
-            cells.extend(policy_cells(entry, policies, group)?);
-            bar.inc(group.len() as u64);
-        }
-        for baseline in &experiment.baselines {
-            cells.extend(baseline_cells(baseline, group)?);
-            bar.inc(group.len() as u64);
-        }
+    let works = Work::all(&experiment);
+    let bar = output::progress("measuring", works.len() as u64, global.quiet);
+    let mut trained = trained.iter();
+    let mut parts = Vec::with_capacity(works.len());
+    for work in works {
+        parts.push(measure(&experiment, work, trained.next(), &measures)?);
+        bar.inc(1);
     }
     bar.finish_and_clear();
+    let cells = cells::merge(&experiment, &parts);
     let provenance = Provenance::here(begin.elapsed().as_secs_f64());
-    let report = ExperimentReport { format: FORMAT.into(), provenance, experiment, cells };
-    output::write_json(&folder.join("report.json"), &report)?;
-    if global.json {
-        output::print_json(&report)
-    } else {
-        output::print(&table::experiment_markdown(&report))
-    }
+    finish(
+        &ExperimentReport { format: FORMAT.into(), provenance, experiment, cells },
+        &folder,
+        global,
+    )
 }
 
-/// A measurement with its tasks drawn.
-struct Prepared<'a> {
-    measure: &'a Measure,
-    options: Options,
-    sets: Arc<Vec<TaskSet>>,
-}
-
-/// Draws the tasks of every measurement; those of the same tasks share them.
-fn prepare(measures: &[Measure], quiet: bool) -> Result<Vec<Prepared<'_>>, Failure> {
-    let mut prepared: Vec<Prepared> = Vec::with_capacity(measures.len());
-    for measure in measures {
-        let tasks = |other: &Measure| (other.suite.clone(), other.count, other.seeds.clone());
-        let known = prepared.iter().find(|known| tasks(known.measure) == tasks(measure));
-        let sets = match known {
-            Some(known) => known.sets.clone(),
-            None => Arc::new(draw_sets(measure, quiet)?),
-        };
-        let options = Options {
-            profile: measure.profile.parse::<Profile>()?,
-            steps: measure.steps,
-            starts: measure.starts,
-            strategy: measure.start_strategy.parse::<StartStrategy>()?,
-            ..Options::default()
-        };
-        prepared.push(Prepared { measure, options, sets });
-    }
-    Ok(prepared)
-}
-
-fn draw_sets(measure: &Measure, quiet: bool) -> Result<Vec<TaskSet>, Failure> {
-    let suite = measure.suite.parse::<Suite>()?;
-    let all = (measure.count * measure.seeds.len()) as u64;
-    let bar = output::progress("drawing tasks", all, quiet);
-    let draw =
-        |&seed: &u64| suite.generate_watched(measure.count, seed, &Profile::PAPER, &|| bar.inc(1));
-    let drawn: Vec<Vec<Task>> = measure.seeds.iter().map(draw).collect();
-    bar.finish_and_clear();
-    let bar = output::progress("exact shortest paths", all, quiet);
-    let set = |(tasks, seed): (Vec<Task>, &u64)| {
-        let exact = exact_answers(&tasks, &bar);
-        TaskSet { label: format!("seed {seed}"), tasks, exact }
-    };
-    let sets = drawn.into_iter().zip(&measure.seeds).map(set).collect();
-    bar.finish_and_clear();
-    Ok(sets)
-}
-
-/// What one method does in every measurement of a group.
-fn measured(
-    sets: &[TaskSet],
-    method: &Method,
-    options: &Options,
-    group: &[Prepared],
-) -> Result<Vec<EveryIterate>, Failure> {
-    if group.iter().any(|prepared| prepared.measure.until_solved) {
-        let counts: Vec<usize> = group.iter().map(|prepared| prepared.measure.starts).collect();
-        return race(sets, method, options, &counts);
-    }
-    Ok(vec![every_iterate(sets, method, options, &ProgressBar::hidden())?])
-}
-
-fn blank(row: &str, column: &str, measure: &Measure, paper: Option<f64>) -> Cell {
-    Cell {
-        row: row.into(),
-        column: column.into(),
-        measure: measure.name.clone(),
-        starts: measure.starts,
-        until_solved: measure.until_solved,
-        paper,
-        any: Vec::new(),
-        end: Vec::new(),
-        certified: Vec::new(),
-        certified_of_solvable: Vec::new(),
-        iterations: Vec::new(),
-        us_per_iteration: Vec::new(),
-        training_seconds: Vec::new(),
-        kept_at_steps: Vec::new(),
-        curves: Vec::new(),
-        curves_over: STEPS.into(),
-        solved: Vec::new(),
-        time: Vec::new(),
-    }
-}
-
-fn push(cell: &mut Cell, every: &EveryIterate, sets: &[TaskSet]) {
-    let tasks: usize = sets.iter().map(|set| set.tasks.len()).sum();
-    let is_solvable = |exact: &&Exact| matches!(exact, Exact::Solvable { .. });
-    let solvable = sets.iter().flat_map(|set| &set.exact).filter(is_solvable).count();
-    cell.any.push(every.any as f64 / tasks as f64);
-    if !cell.until_solved {
-        cell.end.push(every.end as f64 / tasks as f64);
-    }
-    cell.certified.push(every.certified as f64 / tasks as f64);
-    cell.certified_of_solvable.push(every.certified as f64 / solvable.max(1) as f64);
-    cell.iterations.extend(mean(&every.solved_iterations()));
-    cell.solved
-        .push(every.firsts.iter().map(|first| if first.is_some() { '1' } else { '0' }).collect());
-}
-
-fn policy_cells(
-    entry: &PolicyEntry,
-    policies: &[Trained],
-    group: &[Prepared],
+/// The measurements of a cell, whose training is done.
+fn measure(
+    experiment: &Experiment,
+    work: Work,
+    trained: Option<&Trained>,
+    measures: &[Prepared],
 ) -> Result<Vec<Cell>, Failure> {
-    let blank_of = |prepared: &Prepared| {
-        let paper = entry.paper.get(&prepared.measure.name).copied();
-        blank(&entry.row, &entry.column, prepared.measure, paper)
-    };
-    let mut cells: Vec<Cell> = group.iter().map(blank_of).collect();
-    let (options, sets) = (&group[0].options, &group[0].sets);
-    for Trained { policy, seconds } in policies {
-        let card = policy.card();
-        let options = Options {
-            profile: card.profile.parse::<Profile>()?,
-            waypoints: Some(card.waypoints),
-            ..options.clone()
-        };
-        let method = Method::Learned(policy.clone());
-        let all = measured(sets, &method, &options, group)?;
-        let time = us_per_iteration(sets, &method, &options, TIMED)?;
-        for ((cell, every), prepared) in cells.iter_mut().zip(&all).zip(group) {
-            push(cell, every, sets);
-            cell.us_per_iteration.extend(time);
-            if prepared.measure.suite == "time" {
-                cell.time.push(shared_iterations(every, &options, sets)?);
-            }
-            cell.training_seconds.push(*seconds);
-            let kept = card.training["environment_steps"].as_u64();
-            cell.kept_at_steps.push(kept.unwrap_or_default());
-            cell.curves.push(curve(card));
+    match (work, trained) {
+        (Work::Training { policy, .. }, Some(trained)) => {
+            policy_cells(&experiment.policies[policy], trained, measures)
         }
+        (Work::Baseline(index), _) => baseline_cells(&experiment.baselines[index], measures),
+        (Work::Training { .. }, None) => unreachable!("trainings come first, one a cell"),
     }
-    Ok(cells)
 }
 
-/// The validations of a policy's training.
-fn curve(card: &PolicyCard) -> Vec<[f64; 2]> {
-    let points = card.training["validation_curve"].as_array().into_iter().flatten();
-    let point =
-        |p: &serde_json::Value| Some([p["environment_steps"].as_f64()?, p["success"].as_f64()?]);
-    points.filter_map(point).collect()
+/// Trains and measures one cell where that was not done, and keeps what came out.
+fn one_cell(index: usize, trainings: &Trainings, global: &Global) -> Result<(), Failure> {
+    let (experiment, folder) = (trainings.experiment, trainings.folder);
+    let works = Work::all(experiment);
+    let Some(&work) = works.get(index) else {
+        let found = format!("{index} is not allowed");
+        let allowed = format!("a number from 0 to {}, as --list names them", works.len() - 1);
+        return Err(Failure::at("--cell", format!("{found}; expected {allowed}")));
+    };
+    let begin = Instant::now();
+    let _shared = Lock::shared(folder)?;
+    let _lock = Lock::folder(&cells::folder(folder, index))?;
+    let file = match CellFile::read(experiment, folder, index)? {
+        Some(file) => file,
+        None => {
+            let trained = match work {
+                Work::Training { policy, seed } => {
+                    Some(trainings.one(policy, seed, global.quiet)?)
+                }
+                Work::Baseline(_) => None,
+            };
+            let measures = prepare(&experiment.measure, global.quiet)?;
+            let cells = measure(experiment, work, trained.as_ref(), &measures)?;
+            let seconds = begin.elapsed().as_secs_f64();
+            CellFile::write(experiment, folder, index, Provenance::here(seconds), cells)?
+        }
+    };
+    if global.json { output::print_json(&file) } else { Ok(()) }
 }
 
-/// Iterations on the tasks that the policy and gradient descent (0.1) both solve within 100 steps.
-fn shared_iterations(
-    policy: &EveryIterate,
-    options: &Options,
-    sets: &[TaskSet],
-) -> Result<[f64; 3], Failure> {
-    let descent = |step| {
-        let method = Method::GradientDescent { step: Some(step) };
-        every_iterate(sets, &method, options, &ProgressBar::hidden())
-    };
-    let (slow, tuned) = (descent(0.1)?, descent(0.5)?);
-    let mut sums = [0.0; 3];
-    let mut counts = [0.0f64; 3];
-    for ((learned, slow), tuned) in policy.firsts.iter().zip(&slow.firsts).zip(&tuned.firsts) {
-        if learned.is_some_and(|k| k <= 100) && slow.is_some_and(|k| k <= 100) {
-            for (index, first) in [learned, slow, tuned].into_iter().enumerate() {
-                if let Some(first) = first {
-                    sums[index] += *first as f64;
-                    counts[index] += 1.0;
-                }
-            }
-        }
+fn finish(report: &ExperimentReport, folder: &Path, global: &Global) -> Result<(), Failure> {
+    output::write_json(&folder.join("report.json"), report)?;
+    if global.json {
+        output::print_json(report)
+    } else {
+        output::print(&table::experiment_markdown(report))
     }
-    Ok([0, 1, 2].map(|index| sums[index] / counts[index].max(1.0)))
-}
-
-fn baseline_cells(entry: &BaselineEntry, group: &[Prepared]) -> Result<Vec<Cell>, Failure> {
-    let planner = planner(&entry.planner)?;
-    let blank_of = |prepared: &Prepared| {
-        let paper = entry.paper.get(&prepared.measure.name).copied();
-        blank(&entry.planner, "", prepared.measure, paper)
-    };
-    let mut cells: Vec<Cell> = group.iter().map(blank_of).collect();
-    let hidden = ProgressBar::hidden();
-    for set in group[0].sets.iter() {
-        let set = std::slice::from_ref(set);
-        match &planner {
-            Planner::Optimizer(method) => {
-                let all = measured(set, method, &group[0].options, group)?;
-                let time = us_per_iteration(set, method, &group[0].options, TIMED)?;
-                for (cell, every) in cells.iter_mut().zip(&all) {
-                    push(cell, every, set);
-                    cell.us_per_iteration.extend(time);
-                }
-            }
-            // Planners of another kind do not know starts.
-            _ => {
-                let found = plans(&set[0], &planner, &group[0].options, &hidden)?;
-                let certified = found.iter().filter(|p| p.is_solved()).count();
-                let share = certified as f64 / found.len() as f64;
-                let is_solvable = |exact: &&Exact| matches!(exact, Exact::Solvable { .. });
-                let solvable = set[0].exact.iter().filter(is_solvable).count();
-                for cell in &mut cells {
-                    cell.any.push(share);
-                    cell.end.push(share);
-                    cell.certified.push(share);
-                    cell.certified_of_solvable.push(certified as f64 / solvable.max(1) as f64);
-                }
-            }
-        }
-    }
-    Ok(cells)
 }

@@ -11,6 +11,7 @@ mod cases;
 mod crash;
 mod determinism;
 mod drive;
+mod experiment;
 mod files;
 mod generate;
 mod generate_arms;
