@@ -8,8 +8,9 @@ use std::sync::Arc;
 use sidestep::objective::Objective;
 use sidestep::optimizer::{Method, Optimizer};
 use sidestep::plan::run::{Until, run};
-use sidestep::policy::Policy;
+use sidestep::policy::observation::OwnPart;
 use sidestep::policy::tensors;
+use sidestep::policy::{Policy, PolicyNetwork};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::scene::Query;
@@ -311,4 +312,46 @@ fn a_gradient_whose_square_overflows_leaves_a_training_that_resumes() {
     assert!(norms.map(|update| update.gradient_norm).all(f64::is_finite));
     let state = whole.checkpoint().unwrap();
     assert!(Trainer::resume(config(text), &state).unwrap().checkpoint().unwrap() == state);
+}
+
+#[test]
+fn a_part_of_ones_own_trains_as_one_that_is_there() {
+    let own = OwnPart {
+        name: "slope",
+        len: |waypoints, dof| waypoints * dof,
+        write: |_, _, gradient, out| out.copy_from_slice(gradient),
+    };
+    let seeing = |name: &str| {
+        let text = SMALL.replace(
+            r#"["gradient", "previous-gradients:2", "obstacle-cost"]"#,
+            r#"["gradient", "obstacle-cost"]"#,
+        );
+        let mut config = config(&text);
+        config.observation[0] = name.into();
+        config
+    };
+    let known = finish(Trainer::new(seeing("gradient")).unwrap());
+    let mut trainer = Trainer::seeing(&[own], seeing("own:slope")).unwrap();
+    for _ in 0..4 {
+        trainer.step().unwrap();
+    }
+    let state = trainer.checkpoint().unwrap();
+    let ours = finish(Trainer::resume_seeing(&[own], seeing("own:slope"), &state).unwrap());
+    let bytes = ours.policy().unwrap().to_safetensors().unwrap();
+    let numbers = |policy: &Policy| match policy.network() {
+        PolicyNetwork::Whole { network, .. } => network.parameters().to_vec(),
+        PolicyNetwork::Waypoint { .. } => unreachable!("a policy of a whole trajectory"),
+    };
+    let policy = Policy::read_seeing(&[own], &bytes).unwrap();
+    assert_eq!(numbers(&policy), numbers(&known.policy().unwrap()));
+    for error in [
+        Policy::from_safetensors(&bytes).unwrap_err(),
+        Trainer::new(seeing("own:slope")).err().unwrap(),
+        Trainer::seeing(&[own], seeing("own:slop")).err().unwrap(),
+    ] {
+        assert!(error.to_string().contains("own:slop"), "{error}");
+    }
+    let empty = OwnPart { len: |_, _| 0, ..own };
+    let error = Trainer::seeing(&[empty], seeing("own:slope")).err().unwrap();
+    assert!(error.to_string().contains("0 numbers"), "{error}");
 }

@@ -45,6 +45,7 @@
 //! | the shortest path, or a proof that there is none | [`plane::shortest_path`] |
 //! | a cost of your own | [`Query::with_cost`] |
 //! | an optimizer of your own | [`optimizer::Own`] |
+//! | something of your own that a policy sees | [`policy::observation::OwnPart`] |
 //! | a trained policy | [`Policy::from_safetensors`], [`Method::Learned`] |
 //! | U and ∂U | [`objective`] |
 //! | worlds in space, robots with joints | [`space`], [`arm`] |

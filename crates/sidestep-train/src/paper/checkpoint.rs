@@ -7,6 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 use sidestep::InvalidInput;
+use sidestep::policy::observation::OwnPart;
 use sidestep::policy::tensors::{self, Reader, Tensor};
 use sidestep::policy::{network_tensors, parameter_tensors, read_network, read_parameters};
 
@@ -116,13 +117,25 @@ impl Trainer {
     /// If the bytes are no checkpoint of this version, damaged, contradict themselves, or belong to
     /// another configuration.
     pub fn resume(config: TrainConfig, bytes: &[u8]) -> Result<Self, InvalidInput> {
+        Self::resume_seeing(&[], config, bytes)
+    }
+
+    /// The same for a training of [`Trainer::seeing`].
+    ///
+    /// # Errors
+    /// As [`Trainer::resume`] and [`Trainer::seeing`].
+    pub fn resume_seeing(
+        own: &[OwnPart],
+        config: TrainConfig,
+        bytes: &[u8],
+    ) -> Result<Self, InvalidInput> {
         let mut reader = Reader::new(bytes, "checkpoint", FORMAT)?;
         reader.require_checksum()?;
         let document: Document = reader.document()?;
         let mut stored = document.config;
         stored.environment_steps = stored.environment_steps.max(config.environment_steps);
         check_same(&stored, &config)?;
-        let mut trainer = Self::new(config)?;
+        let mut trainer = Self::seeing(own, config)?;
         let config = &trainer.setup.config;
         let (epochs, rounds) = (config.cloning.epochs as u64, config.dagger.rounds as u64);
         let (updates, capacity) = (config.updates(), config.dagger.capacity);

@@ -6,6 +6,7 @@
 //! nothing had happened ([`crate::paper::checkpoint`]).
 
 use serde_json::json;
+use sidestep::policy::observation::OwnPart;
 use sidestep::policy::{Policy, PolicyCard, PolicyNetwork};
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
@@ -62,7 +63,15 @@ impl Trainer {
     /// # Errors
     /// If the configuration has a value out of range, or the observation does not fit the tasks.
     pub fn new(config: TrainConfig) -> Result<Self, InvalidInput> {
-        let setup = Setup::new(config)?;
+        Self::seeing(&[], config)
+    }
+
+    /// The same, where parts of the observation are one's `own`; [`Policy::read_seeing`] reads the policies.
+    ///
+    /// # Errors
+    /// As [`Trainer::new`], and if a part is neither there nor among them.
+    pub fn seeing(own: &[OwnPart], config: TrainConfig) -> Result<Self, InvalidInput> {
+        let setup = Setup::new(config, own)?;
         let config = &setup.config;
         // What is hard is the paper's gradient descent's to say, whatever profile is trained.
         let tasks = |suite: Suite, count, seed| suite.generate(count, seed, &Profile::PAPER);
@@ -407,7 +416,7 @@ impl Trainer {
             }),
             licence: LICENCE.into(),
         };
-        Policy::new(card, network.clone())
+        Policy::seeing(&self.setup.own, card, network.clone())
     }
 }
 

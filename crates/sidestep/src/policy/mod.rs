@@ -18,7 +18,9 @@ use serde::{Deserialize, Serialize};
 use crate::error::InvalidInput;
 use crate::network::{Cnn, Mlp, Network, Part, WaypointNet, WaypointShape};
 use crate::plane::view::ViewParts;
-use crate::policy::observation::{ObservationPart, architecture_for, image_place, observation_len};
+use crate::policy::observation::{
+    ObservationPart, OwnPart, architecture_for, image_place, observation_len,
+};
 use crate::policy::tensors::{Reader, Tensor};
 use crate::profile::{MAX_WAYPOINTS, Profile};
 
@@ -105,13 +107,25 @@ impl Policy {
     ///
     /// # Errors
     /// If the observation, the network and the number of waypoints do not fit each other, or a number of the card is not allowed.
-    pub fn new(mut card: PolicyCard, network: impl Into<Network>) -> Result<Self, InvalidInput> {
+    pub fn new(card: PolicyCard, network: impl Into<Network>) -> Result<Self, InvalidInput> {
+        Self::seeing(&[], card, network)
+    }
+
+    /// The same, where parts of the observation are one's `own`.
+    ///
+    /// # Errors
+    /// As [`Policy::new`].
+    pub fn seeing(
+        own: &[OwnPart],
+        mut card: PolicyCard,
+        network: impl Into<Network>,
+    ) -> Result<Self, InvalidInput> {
         let network = network.into();
         card.format = FORMAT.into();
         card.architecture = network.architecture().into();
         card.sizes = network.sizes().to_vec();
         check_card(&card)?;
-        let parts = check_whole(&card)?;
+        let parts = check_whole(&card, own)?;
         Ok(Self { card, network: PolicyNetwork::Whole { parts, network } })
     }
 
@@ -193,6 +207,14 @@ impl Policy {
     /// If the file is truncated, oversized, of another version, contradicts itself, lacks a tensor or holds one of
     /// another shape, one that is not finite, or one too many. The message names what was found and expected.
     pub fn from_safetensors(bytes: &[u8]) -> Result<Self, InvalidInput> {
+        Self::read_seeing(&[], bytes)
+    }
+
+    /// Reads the file of a policy some of whose parts of the observation are one's `own`.
+    ///
+    /// # Errors
+    /// As [`Policy::from_safetensors`], and if a part is not among them.
+    pub fn read_seeing(own: &[OwnPart], bytes: &[u8]) -> Result<Self, InvalidInput> {
         let mut reader = Reader::new(bytes, "policy", FORMAT)?;
         let card: PolicyCard = reader.document()?;
         check_card(&card)?;
@@ -203,7 +225,7 @@ impl Policy {
                 PolicyNetwork::Waypoint { view, network: WaypointNet::new(&shape, parameters)? }
             }
             _ => {
-                let parts = check_whole(&card)?;
+                let parts = check_whole(&card, own)?;
                 let shape = (card.waypoints, card.dof);
                 let network = read_parameters(&mut reader, &parts, shape, &card.sizes, "")?;
                 PolicyNetwork::Whole { parts, network }
@@ -336,9 +358,9 @@ fn check_waypoint(card: &PolicyCard) -> Result<(ViewParts, WaypointShape), Inval
 }
 
 /// The parts of the observation of a card of the architectures [`MLP`] and [`CNN`].
-fn check_whole(card: &PolicyCard) -> Result<Vec<ObservationPart>, InvalidInput> {
+fn check_whole(card: &PolicyCard, own: &[OwnPart]) -> Result<Vec<ObservationPart>, InvalidInput> {
     let named: Result<Vec<_>, _> =
-        card.observation.iter().map(|name| name.parse::<ObservationPart>()).collect();
+        card.observation.iter().map(|name| ObservationPart::named(name, own)).collect();
     let parts = named.map_err(|error| error.inside("policy"))?;
     let length = observation_len(&parts, card.waypoints, card.dof)
         .map_err(|error| error.inside("policy"))?;

@@ -3,7 +3,7 @@
 use sidestep::InvalidInput;
 use sidestep::plan::starts::StartStrategy;
 use sidestep::policy::ActionRule;
-use sidestep::policy::observation::{ObservationPart, observation_len};
+use sidestep::policy::observation::{ObservationPart, OwnPart, observation_len};
 use sidestep::profile::Profile;
 use sidestep::suite::Suite;
 
@@ -19,6 +19,7 @@ pub(crate) struct Setup {
     pub config: TrainConfig,
     pub profile: Profile,
     pub parts: Vec<ObservationPart>,
+    pub own: Vec<OwnPart>,
     pub training: Suite,
     pub validation: Suite,
     pub starts: StartStrategy,
@@ -27,13 +28,13 @@ pub(crate) struct Setup {
 }
 
 impl Setup {
-    /// Checks `config`.
-    pub fn new(config: TrainConfig) -> Result<Self, InvalidInput> {
+    /// Checks `config`, some of whose parts of the observation may be one's `own`.
+    pub fn new(config: TrainConfig, own: &[OwnPart]) -> Result<Self, InvalidInput> {
         let profile = config.profile.parse::<Profile>()?;
         let parts: Vec<ObservationPart> = config
             .observation
             .iter()
-            .map(|name| name.parse::<ObservationPart>())
+            .map(|name| ObservationPart::named(name, own))
             .collect::<Result<_, _>>()?;
         let observation = observation_len(&parts, profile.waypoints, 2)?;
         check_ranges(&config)?;
@@ -75,7 +76,8 @@ impl Setup {
             feasible_bonus: environment.feasible_bonus,
             episode_limit: environment.episode_limit,
         };
-        Ok(Self { config, profile, parts, training, validation, starts, dagger_starts, rules })
+        let own = own.to_vec();
+        Ok(Self { config, profile, parts, own, training, validation, starts, dagger_starts, rules })
     }
 }
 

@@ -187,7 +187,7 @@ impl TrainConfig {
     /// # Errors
     /// If one is out of range; the message names the field, the value and the range.
     pub fn check(&self) -> Result<(), InvalidInput> {
-        Setup::new(self.clone()).map(|_| ())
+        Setup::new(self.clone(), &[]).map(|_| ())
     }
 
     /// Updates of PPO in all: enough for `environment_steps`, the last one whole.

@@ -4,6 +4,10 @@
 //! for 10 waypoints), the gradient and obstacle cost (31), or one of the wider observations of its
 //! section III.D.
 
+mod own;
+
+pub use own::OwnPart;
+
 use crate::error::InvalidInput;
 use crate::network::{FEATURES, IMAGE_SIDE};
 use crate::objective::Objective;
@@ -51,6 +55,8 @@ pub enum ObservationPart {
     /// The same around each waypoint, in pictures of 16 x 16 that make one image `[64 x 64]`; of at most 16 waypoints
     /// (`waypoint_image.rs`).
     WaypointImage,
+    /// A part of one's own.
+    Own(OwnPart),
 }
 
 /// Most earlier gradients that an observation may hold.
@@ -75,7 +81,23 @@ impl ObservationPart {
             Self::Ends => "ends".into(),
             Self::Image => "image".into(),
             Self::WaypointImage => "waypoint-image".into(),
+            Self::Own(own) => format!("own:{}", own.name),
         }
+    }
+
+    /// The part of that name, where those of one's own are `own`.
+    ///
+    /// # Errors
+    /// If there is no part of that name.
+    pub fn named(name: &str, own: &[OwnPart]) -> Result<Self, InvalidInput> {
+        let Some(word) = name.strip_prefix("own:") else { return name.parse() };
+        let found = own.iter().find(|part| part.name == word);
+        let known: Vec<_> = own.iter().map(|part| format!("own:{}", part.name)).collect();
+        let allowed = match known.len() {
+            0 => "the parts that are there, or one's own given in Rust with the policy".into(),
+            _ => known.join(" or "),
+        };
+        found.map(|part| Self::Own(*part)).ok_or(InvalidInput::new("observation", name, allowed))
     }
 
     /// How many numbers the part takes for `waypoints` waypoints of `dof` coordinates.
@@ -88,10 +110,11 @@ impl ObservationPart {
             Self::WaypointObstacles { count } => 4 * count * waypoints,
             Self::Ends => 2 * dof,
             Self::Image | Self::WaypointImage => IMAGE_SIDE * IMAGE_SIDE,
+            Self::Own(own) => (own.len)(waypoints, dof),
         }
     }
 
-    /// Never: each part holds at least one number.
+    /// Never: an observation's parts hold at least one number each.
     pub fn is_empty(&self) -> bool {
         false
     }
@@ -124,6 +147,7 @@ impl std::str::FromStr for ObservationPart {
             ("trajectory", None) => Ok(Self::Trajectory),
             ("ends", None) => Ok(Self::Ends),
             ("image", None) => Ok(Self::Image),
+            ("own", Some(_)) => Self::named(name, &[]),
             ("waypoint-image", None) => Ok(Self::WaypointImage),
             ("previous-gradients", _) => {
                 Ok(Self::PreviousGradients { count: count(MAX_PREVIOUS)? })
@@ -149,7 +173,8 @@ impl std::fmt::Display for ObservationPart {
 /// Checks that a list of parts makes an observation, and returns its length.
 ///
 /// # Errors
-/// If the list is empty, names a kind of part twice, has two images, or the waypoints are more than one of the parts holds.
+/// If the list is empty, names a kind of part twice, has two images, the waypoints are more than one of the parts holds, or a part of
+/// one's own is empty or too long.
 pub fn observation_len(
     parts: &[ObservationPart],
     waypoints: usize,
@@ -159,8 +184,9 @@ pub fn observation_len(
         return Err(InvalidInput::new("observation", "no part", "at least one part"));
     }
     for (i, part) in parts.iter().enumerate() {
-        let same_kind = |other: &&ObservationPart| {
-            std::mem::discriminant(*other) == std::mem::discriminant(part)
+        let same_kind = |other: &&ObservationPart| match (other, part) {
+            (ObservationPart::Own(other), ObservationPart::Own(own)) => other == own,
+            _ => std::mem::discriminant(*other) == std::mem::discriminant(part),
         };
         if parts[..i].iter().any(|other| same_kind(&other)) {
             return Err(InvalidInput::new("observation", part.name(), "each kind of part once"));
@@ -170,6 +196,9 @@ pub fn observation_len(
         }
         if *part == ObservationPart::WaypointImage {
             waypoint_image::check(waypoints)?;
+        }
+        if let ObservationPart::Own(own) = part {
+            own.check(waypoints, dof)?;
         }
     }
     Ok(parts.iter().map(|part| part.len(waypoints, dof)).sum())
@@ -327,6 +356,7 @@ impl Encoder {
                 ObservationPart::WaypointObstacles { count } => {
                     boxes::around_all(&self.boxes, x, *count, part_out);
                 }
+                ObservationPart::Own(own) => (own.write)(objective, x, gradient, part_out),
                 ObservationPart::Ends => {
                     let (start, goal) = part_out.split_at_mut(objective.dof());
                     centred_all(objective, objective.start(), start);
