@@ -340,7 +340,7 @@ fn a_part_of_ones_own_trains_as_one_that_is_there() {
     let bytes = ours.policy().unwrap().to_safetensors().unwrap();
     let numbers = |policy: &Policy| match policy.network() {
         PolicyNetwork::Whole { network, .. } => network.parameters().to_vec(),
-        PolicyNetwork::Waypoint { .. } => unreachable!("a policy of a whole trajectory"),
+        _ => unreachable!("a policy of a whole trajectory"),
     };
     let policy = Policy::read_seeing(&[own], &bytes).unwrap();
     assert_eq!(numbers(&policy), numbers(&known.policy().unwrap()));

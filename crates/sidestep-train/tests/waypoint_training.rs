@@ -39,20 +39,52 @@ fn with_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
 }
 
-#[test]
-fn resumed_at_any_unit_and_on_other_threads_it_ends_with_the_same_bits() {
-    let whole = with_threads(1, || finish(WaypointTrainer::new(config()).unwrap()));
+/// A planar arm of two joints.
+fn jointed() -> WaypointConfig {
+    let mut config = config();
+    config.observation = vec!["joints:8".into()];
+    config.tasks.joints = 2;
+    config.stages[0].updates = 250;
+    config.policy_gradient.short_cuts = 4;
+    config.validation.count = 60;
+    config
+}
+
+/// Trains whole, and in pieces on other threads: to the same bits, which are returned.
+fn is_resumed_to_the_same_bits(config: &WaypointConfig) -> Vec<u8> {
+    let whole = with_threads(1, || finish(WaypointTrainer::new(config.clone()).unwrap()));
     let resumed = with_threads(3, || {
-        let mut trainer = WaypointTrainer::new(config()).unwrap();
+        let mut trainer = WaypointTrainer::new(config.clone()).unwrap();
         loop {
             let more = trainer.step().unwrap().is_some();
-            trainer = WaypointTrainer::resume(config(), &trainer.checkpoint().unwrap()).unwrap();
+            let state = trainer.checkpoint().unwrap();
+            trainer = WaypointTrainer::resume(config.clone(), &state).unwrap();
             if !more {
                 return trainer.checkpoint().unwrap();
             }
         }
     });
     assert!(whole == resumed, "the checkpoints differ");
+    whole
+}
+
+#[test]
+fn trainings_for_joints_resume_and_their_policies_are_read_back() {
+    let state = is_resumed_to_the_same_bits(&jointed());
+    let trainer = WaypointTrainer::resume(jointed(), &state).unwrap();
+    let policy = trainer.best_policy().unwrap();
+    assert_eq!((policy.card().dof, &policy.card().observation[..]), (2, &["joints:8".into()][..]));
+    assert_eq!(Policy::from_safetensors(&policy.to_safetensors().unwrap()).as_ref(), Ok(&policy));
+    let found = trainer.best().unwrap().validation;
+    assert!(found.easy.tasks > 10 && found.hard.tasks < found.easy.tasks, "{found:?}");
+    assert!(found.easy.success() > 0.3, "{found:?}");
+    let fine = WaypointTrainer::new(jointed()).unwrap().begin_from(&policy);
+    assert_eq!(fine, Ok(()));
+}
+
+#[test]
+fn resumed_at_any_unit_and_on_other_threads_it_ends_with_the_same_bits() {
+    let whole = is_resumed_to_the_same_bits(&config());
     let error = WaypointTrainer::resume(config(), &whole[..whole.len() / 2]).err().unwrap();
     assert!(error.to_string().contains("checkpoint"), "{error}");
 }
@@ -143,6 +175,13 @@ fn bad_configurations_name_field_value_and_range() {
     check("observation = [\"gradient\"]", "observation: gradient");
     check("observation = [\"waypoints\", \"probes:0x1\"]", "observation: probes:0x1");
     check("[tasks]\nseed = 2", "tasks.seed: 2");
+    check("[tasks]\njoints = 17", "tasks.joints: 17");
+    check("[tasks]\njoints = 4", "expected [\"joints:16\"], where tasks.joints is 4");
+    check("observation = [\"joints:16\"]", "observation: joints:16");
+    check(
+        "observation = [\"joints:8\"]\n[tasks]\njoints = 2\n[policy_gradient]\nrepair = 0.5",
+        "policy_gradient.repair: 0.5",
+    );
     check("[tasks]\nwaypoints = [9, 3]", "tasks.waypoints: [9, 3]");
     check("[validation]\nseed = 1", "validation.seed: 1");
     check("[imitation]\ntasks = 0", "imitation.tasks: 0");

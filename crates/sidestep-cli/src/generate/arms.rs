@@ -64,7 +64,7 @@ pub fn run(suite: ArmSuite, args: &GenerateArgs, global: &Global) -> Result<(), 
         let allowed = format!("a number from 1 to {MAX_COUNT}");
         return Err(InvalidInput::new("--count", args.count, allowed).into());
     }
-    let planar = suite == ArmSuite::PlanarArm;
+    let planar = suite.is_planar();
     let (prepared, robot, inputs) = match (&arms.robot, planar) {
         (None, true) => {
             let model = planar_arm(arms.dof)
@@ -74,7 +74,8 @@ pub fn run(suite: ArmSuite, args: &GenerateArgs, global: &Global) -> Result<(), 
             (prepare(model, None, &Preparation::default(), &mut none)?, name, Vec::new())
         }
         (Some(_), true) => {
-            return Err(Failure::at("--robot", "planar-arm makes its own robot; give --dof N"));
+            let message = format!("{} makes its own robot; give --dof N", suite.name());
+            return Err(Failure::at("--robot", message));
         }
         (Some(path), false) => {
             let loaded = load(path, &arms.from, None)?;

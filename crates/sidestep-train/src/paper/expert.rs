@@ -87,7 +87,7 @@ impl Experts {
             ExpertKind::GradientDescent => problem.objective.scene().profile().gradient_step as f32,
             ExpertKind::TunedGradientDescent => self.config.step,
             ExpertKind::ShortestPath => {
-                let Some(target) = nearest(self.routes(index, problem), x) else {
+                let Some(target) = nearest(2, self.routes(index, problem), x) else {
                     return false;
                 };
                 for ((answer, x), target) in answer.iter_mut().zip(x).zip(target) {

@@ -45,7 +45,7 @@ pub fn find(
         let Some(waypoints) = waypoints(points, scene, objective) else { return };
         let length: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
         let extra = ((length - shortest) / scale).max(0.0) as f32;
-        if targets.iter().all(|t| mean_distance(&t.waypoints, &waypoints) > DIFFERENT) {
+        if targets.iter().all(|t| mean_distance(2, &t.waypoints, &waypoints) > DIFFERENT) {
             targets.push(Target { waypoints, extra });
         }
     };
@@ -218,7 +218,7 @@ mod tests {
             assert_eq!(targets, again);
             for target in &targets {
                 assert!(objective.is_certified(&target.waypoints), "{}", task.name);
-                assert_eq!(nearest(&targets, &target.waypoints).unwrap().len(), 20);
+                assert_eq!(nearest(2, &targets, &target.waypoints).unwrap().len(), 20);
             }
             assert!(targets.len() <= 5);
             none += usize::from(targets.is_empty());

@@ -1,9 +1,11 @@
 //! Routes of a task as trajectories of N waypoints: what experts follow.
 //!
-//! Two ways to find them, by how obstacles are grown before the search. They shape what was trained
-//! with them, so neither replaces the other.
+//! In the plane there are two ways to find them, by how obstacles are grown before the search. They shape
+//! what was trained with them, so neither replaces the other. Robots with joints have optimizers and
+//! trees (`jointed.rs`).
 
 pub mod evenly_grown;
+pub mod jointed;
 pub mod sparingly_grown;
 
 /// Margins to obstacles that are tried, widest first, in normalised units.
@@ -27,24 +29,28 @@ const EXTRA: f32 = 0.15;
 /// A route as an expert follows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
-    /// The waypoints, `[N x 2]`, normalised units.
+    /// The waypoints, `[N x dof]`, normalised units.
     pub waypoints: Vec<f32>,
     /// Length beyond the shortest path's, normalised units.
     pub extra: f32,
 }
 
-/// The route nearest to the waypoints `x [N x 2]`: least mean distance plus a share of the extra
+/// The route nearest to the waypoints `x [N x dof]`: least mean distance plus a share of the extra
 /// length. Following the nearest and not the shortest keeps the two sides of an obstacle from
 /// averaging into it.
-pub fn nearest<'a>(targets: &'a [Target], x: &[f32]) -> Option<&'a [f32]> {
-    let score = |target: &Target| mean_distance(&target.waypoints, x) + EXTRA * target.extra;
+pub fn nearest<'a>(dof: usize, targets: &'a [Target], x: &[f32]) -> Option<&'a [f32]> {
+    let score = |target: &Target| mean_distance(dof, &target.waypoints, x) + EXTRA * target.extra;
     let best = targets.iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;
     Some(&best.waypoints)
 }
 
-/// Mean distance of the waypoints of two trajectories `[N x 2]`.
-pub fn mean_distance(a: &[f32], b: &[f32]) -> f32 {
-    let (a, b) = (a.as_chunks::<2>().0, b.as_chunks::<2>().0);
-    let sum: f32 = a.iter().zip(b).map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1])).sum();
-    sum / a.len().max(1) as f32
+/// Mean distance of the waypoints of two trajectories `[N x dof]`.
+pub fn mean_distance(dof: usize, a: &[f32], b: &[f32]) -> f32 {
+    let distance = |(p, q): (&[f32], &[f32])| {
+        let mut ways = p.iter().zip(q).map(|(p, q)| p - q);
+        let first = ways.next().unwrap_or(0.0).abs();
+        ways.fold(first, f32::hypot)
+    };
+    let sum: f32 = a.chunks_exact(dof).zip(b.chunks_exact(dof)).map(distance).sum();
+    sum / (a.len() / dof).max(1) as f32
 }

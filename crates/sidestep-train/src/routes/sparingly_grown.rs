@@ -53,7 +53,10 @@ pub fn targets(task: PlaneTask<'_>, objective: &Objective, rng: &mut ChaCha8Rng)
                 continue;
             }
             let Some(waypoints) = resample(&taut, scene, objective.waypoints()) else { continue };
-            if targets.iter().all(|other| mean_distance(&other.waypoints, &waypoints) > DIFFERENT) {
+            if targets
+                .iter()
+                .all(|other| mean_distance(2, &other.waypoints, &waypoints) > DIFFERENT)
+            {
                 targets.push(Target { waypoints, extra: ((long - length) / scale) as f32 });
             }
         }
@@ -233,7 +236,7 @@ mod tests {
             }
             for (i, target) in targets.iter().enumerate() {
                 for other in &targets[..i] {
-                    assert!(mean_distance(&target.waypoints, &other.waypoints) > DIFFERENT);
+                    assert!(mean_distance(2, &target.waypoints, &other.waypoints) > DIFFERENT);
                 }
             }
             solvable += usize::from(!targets.is_empty());

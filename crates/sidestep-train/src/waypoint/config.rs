@@ -1,16 +1,21 @@
 //! The configuration of a waypoint policy's training, checked once.
 
+use std::sync::Arc;
+
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sidestep::arm::Arm;
 use sidestep::network::WaypointShape;
-use sidestep::plane::view::ViewParts;
 use sidestep::profile::Profile;
+use sidestep::scene::Setting;
+use sidestep::suite::arms::{ArmSuite, planar_arm_alone};
 use sidestep::suite::{candidate, varied};
 use sidestep::{InvalidInput, Task};
 
 use super::memory;
+use super::sight::Sight;
 use crate::config::check_ranges;
 use crate::config::range::{refuse, training_seed, validation_seed};
 use crate::config::toml_file;
@@ -24,7 +29,8 @@ pub struct WaypointConfig {
     pub architecture: String,
     /// Seed of parameters, noise and the tasks' order.
     pub seed: u64,
-    /// The view's parts: `waypoints` or `picture:P` (pixels along a side), then `probes:KxR1,R2,..`, then perhaps
+    /// The view's parts. Of a robot with joints `joints:B`, with B the balls of its body that are looked at (4 a link). In
+    /// the plane `waypoints` or `picture:P` (pixels along a side), then `probes:KxR1,R2,..`, then perhaps
     /// `map:GxCxD1,D2,..`, then perhaps `gradient`.
     pub observation: Vec<String>,
     /// The network.
@@ -61,9 +67,13 @@ pub struct WaypointNetworkConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TaskConfig {
+    /// Joints of the planar arm that the tasks are of, those of the suite `planar-arm`; 0 for a robot in the
+    /// plane.
+    #[schemars(range(min = 0, max = 16))]
+    pub joints: usize,
     /// Seed of the training tasks: 0, or 1000 and above.
     pub seed: u64,
-    /// Share of tasks of the suite `varied`; the others are the paper's.
+    /// In the plane, share of tasks of the suite `varied`; the others are the paper's.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub varied: f32,
     /// Share that is kept of the tasks whose straight line is free.
@@ -160,6 +170,9 @@ pub struct PolicyGradientConfig {
     /// times that.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub stretch: f32,
+    /// Random short cuts on a solved walk before its length counts.
+    #[schemars(range(min = 0, max = 1000))]
+    pub short_cuts: usize,
     /// Share of the tasks that are walked from a random bend or via-point, and not from the
     /// straight line.
     #[schemars(range(min = 0.0, max = 1.0))]
@@ -167,7 +180,8 @@ pub struct PolicyGradientConfig {
     /// Share that is walked of the tasks that the present policy solves without noise.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub solved: f32,
-    /// Weight of imitation on walks of tasks that no walk solves; 0 learns nothing from these.
+    /// Weight of imitation on walks of tasks that no walk solves; 0, as for robots with joints, learns nothing
+    /// from these.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub repair: f32,
     /// How often the same walks are learned from; more than once is PPO.
@@ -205,14 +219,39 @@ impl TaskConfig {
         }
     }
 
-    /// The training task of that number; `rng` decides its kind.
-    pub(super) fn draw(&self, number: u64, rng: &mut ChaCha8Rng) -> Task {
+    /// The robot with joints that the tasks are of, if they are of one.
+    pub(super) fn arm(&self) -> Result<Option<Arc<Arm>>, InvalidInput> {
+        if self.joints == 0 {
+            return Ok(None);
+        }
+        let arm = planar_arm_alone(self.joints);
+        Ok(Some(Arc::new(
+            arm.map_err(|error| InvalidInput { field: "tasks.joints".into(), ..error })?,
+        )))
+    }
+
+    /// The training task of that number, of the sight's robot; `rng` decides its kind. None where there is no such task.
+    pub(super) fn draw(&self, sight: &Sight, number: u64, rng: &mut ChaCha8Rng) -> Option<Task> {
+        match sight {
+            Sight::Joints(_, arm) => jointed_task(arm, self.seed, number),
+            Sight::Plane(_) => Some(self.draw_plane(number, rng)),
+        }
+    }
+
+    fn draw_plane(&self, number: u64, rng: &mut ChaCha8Rng) -> Task {
         if rng.random::<f32>() < self.varied {
             varied(self.seed, number)
         } else {
             candidate(self.seed, number)
         }
     }
+}
+
+/// Task `number` of a seed, of a planar arm.
+pub(super) fn jointed_task(arm: &Arc<Arm>, seed: u64, number: u64) -> Option<Task> {
+    let problem = ArmSuite::PlanarArm.problem(arm, None, None, seed, number).ok()?;
+    let setting = Setting::Arm { arm: arm.clone(), world: problem.world };
+    Task::new(problem.name, setting, problem.start, problem.goal).ok()
 }
 
 impl Default for WaypointConfig {
@@ -245,7 +284,7 @@ impl Default for WaypointNetworkConfig {
 impl Default for TaskConfig {
     fn default() -> Self {
         let waypoints = [5, 24];
-        Self { seed: 1000, varied: 0.25, direct: 0.05, other_waypoints: 0.2, waypoints }
+        Self { joints: 0, seed: 1000, varied: 0.25, direct: 0.05, other_waypoints: 0.2, waypoints }
     }
 }
 
@@ -275,6 +314,7 @@ impl Default for PolicyGradientConfig {
             noise_pixels: 0.7,
             haste: 0.3,
             stretch: 0.5,
+            short_cuts: 0,
             other_starts: 0.25,
             solved: 0.5,
             repair: 0.0,
@@ -306,26 +346,32 @@ impl WaypointConfig {
         Ok(config)
     }
 
-    /// Checks every value, and returns what the names stand for.
+    /// Checks every value.
     ///
     /// # Errors
     /// If a value is out of range; the message names the field, the value and the range.
-    pub fn check(&self) -> Result<(ViewParts, WaypointShape), InvalidInput> {
+    pub fn check(&self) -> Result<(), InvalidInput> {
+        self.checked().map(|_| ())
+    }
+
+    /// [`Self::check`], and what the names stand for.
+    pub(super) fn checked(&self) -> Result<(Sight, WaypointShape), InvalidInput> {
         if self.architecture != ARCHITECTURE {
             return refuse("architecture", &self.architecture, ARCHITECTURE);
         }
-        let view = ViewParts::from_names(&self.observation)?;
+        let sight = Sight::from_names(&self.observation, self.tasks.arm()?)?;
         let network = &self.network;
         let shape = WaypointShape {
-            inputs: view.row_len(),
+            inputs: sight.row_len(),
             width: network.width,
             dilations: network.dilations.clone(),
-            map: view.map.clone(),
+            outputs: sight.dof(),
+            map: sight.map().cloned(),
         };
         shape.parameter_count()?;
         self.check_numbers()?;
         memory::check(self, &shape)?;
-        Ok((view, shape))
+        Ok((sight, shape))
     }
 
     fn check_numbers(&self) -> Result<(), InvalidInput> {
@@ -337,6 +383,10 @@ impl WaypointConfig {
         if !(1..=most).contains(&least) || most > 200 {
             let found = format!("[{least}, {most}]");
             return refuse("tasks.waypoints", found, "[least, most] within 1 to 200");
+        }
+        let repair = self.policy_gradient.repair;
+        if tasks.joints > 0 && repair > 0.0 {
+            return refuse("policy_gradient.repair", repair, "0, where tasks.joints is not 0");
         }
         if stages.is_empty() {
             return refuse("stages", "none", "at least one stage");

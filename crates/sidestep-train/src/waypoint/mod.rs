@@ -1,11 +1,12 @@
-//! Training of the waypoint policy: imitation of exact paths, then policy gradient on certified
-//! success.
+//! Training of the waypoint policy, in the plane and for robots with joints: imitation of experts'
+//! routes, then policy gradient on certified success.
 
 mod checkpoint;
 mod config;
 mod curve;
 mod memory;
 mod ready;
+mod sight;
 mod stages;
 mod trainer;
 mod validation;

@@ -64,14 +64,14 @@ impl WaypointTrainer {
     /// # Errors
     /// If the configuration has a value out of range.
     pub fn new(config: WaypointConfig) -> Result<Self, InvalidInput> {
-        let (view, shape) = config.check()?;
+        let (sight, shape) = config.checked()?;
         let rule = ActionRule {
             scale: 0.1 * config.network.action_pixels,
             limit: 0.1 * config.network.action_limit_pixels,
             keep_inside: true,
         };
         let ingredients = Ingredients {
-            view: view.clone(),
+            sight: sight.clone(),
             rule,
             tasks: config.tasks.clone(),
             imitation: config.imitation.clone(),
@@ -81,7 +81,7 @@ impl WaypointTrainer {
         let average = net.parameters().to_vec();
         let moments = [vec![0.0; average.len()], vec![0.0; average.len()]];
         Ok(Self {
-            tasks: Tasks::new(&config.validation, &view),
+            tasks: Tasks::new(&config.validation, &sight),
             config,
             shape,
             ingredients,
@@ -305,7 +305,9 @@ impl WaypointTrainer {
             let allowed = format!("{wanted}, as the configuration says");
             Err(InvalidInput::new(format!("--init: {field}"), found, allowed))
         };
-        let PolicyNetwork::Waypoint { network, .. } = policy.network() else {
+        let (PolicyNetwork::Waypoint { network, .. } | PolicyNetwork::Joints { network, .. }) =
+            policy.network()
+        else {
             return differs("architecture", card.architecture.clone(), ARCHITECTURE.into());
         };
         if card.observation != self.config.observation {
@@ -356,7 +358,7 @@ impl WaypointTrainer {
             })
             .collect();
         let card = PolicyCard {
-            dof: 2,
+            dof: self.ingredients.sight.dof(),
             format: String::new(),
             architecture: String::new(),
             sizes: Vec::new(),

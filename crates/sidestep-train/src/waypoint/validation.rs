@@ -1,21 +1,27 @@
 //! How good a waypoint policy is on tasks that it was not trained on: certified success from the
 //! straight line.
 
+use std::ops::ControlFlow;
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use sidestep::Task;
 use sidestep::network::{WaypointNet, WaypointScratch};
 use sidestep::objective::Objective;
-use sidestep::plane::view::ViewParts;
+use sidestep::optimizer::{Method, Optimizer};
+use sidestep::plan::run::{Until, run};
 use sidestep::policy::ActionRule;
 use sidestep::profile::Profile;
+use sidestep::rng::{Purpose, stream};
 use sidestep::suite::Suite;
-use sidestep::{Route, Task};
 
-use super::config::WaypointValidationConfig;
-use super::ready::Ready;
+use super::config::{WaypointValidationConfig, jointed_task};
+use super::ready::{Ready, is_solvable};
+use super::sight::Sight;
 use crate::validation::Validation;
 
-/// The results on the solvable tasks of the suites easy and hard.
+/// The results on the solvable tasks of the suites easy and hard. Of robots with joints: on those whose
+/// straight line is not free, and on those of them that CHOMP leaves unsolved.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WaypointValidation {
@@ -40,24 +46,40 @@ impl WaypointValidation {
 
 /// Solvable validation tasks made ready.
 pub(super) struct Tasks {
-    view: ViewParts,
+    sight: Sight,
     easy: Vec<Ready>,
     hard: Vec<Ready>,
 }
 
 impl Tasks {
-    pub fn new(config: &WaypointValidationConfig, view: &ViewParts) -> Self {
-        let ready = |suite: Suite| {
-            let tasks = suite.generate(config.count, config.seed, &Profile::PAPER);
-            let ready = |task: &Task| {
-                let query = Ready::query(task);
-                let route = query.scene().exact(query.start(), query.goal(), &|| true);
-                let Some(Route::Found { .. }) = route else { return None };
-                Ready::new(view, Objective::new(&query, Profile::DEFAULT.waypoints).ok()?)
-            };
-            tasks.par_iter().filter_map(ready).collect()
+    pub fn new(config: &WaypointValidationConfig, sight: &Sight) -> Self {
+        let ready = |(index, task): (usize, &Task)| {
+            let query = Ready::query(task);
+            let mut rng = stream(config.seed, Purpose::Planner, index as u64, 0);
+            if !is_solvable(&query, &mut rng) {
+                return None;
+            }
+            Ready::new(sight, Objective::new(&query, Profile::DEFAULT.waypoints).ok()?)
         };
-        Self { view: view.clone(), easy: ready(Suite::Easy), hard: ready(Suite::Hard) }
+        let all = |tasks: Vec<Task>| -> Vec<Ready> {
+            tasks.par_iter().enumerate().filter_map(ready).collect()
+        };
+        let (easy, hard) = match sight {
+            Sight::Plane(_) => {
+                let draw =
+                    |suite: Suite| suite.generate(config.count, config.seed, &Profile::PAPER);
+                (all(draw(Suite::Easy)), all(draw(Suite::Hard)))
+            }
+            Sight::Joints(_, arm) => {
+                let tasks = (0..config.count as u64).into_par_iter();
+                let drawn = tasks.filter_map(|index| jointed_task(arm, config.seed, index));
+                let mut easy = all(drawn.collect());
+                easy.retain(|ready| !is_direct(ready));
+                let hard = easy.par_iter().filter(|ready| !chomp_solves(ready)).cloned().collect();
+                (easy, hard)
+            }
+        };
+        Self { sight: sight.clone(), easy, hard }
     }
 
     /// The policy on every task, from the straight line, for at most `steps` iterations.
@@ -72,7 +94,7 @@ impl Tasks {
             ready.read_map(net);
             let mut x = vec![0.0; ready.objective.dim()];
             ready.objective.straight_line(&mut x);
-            ready.first_free(ready.view(&self.view)?, x, (net, &rule), steps, scratch)
+            ready.first_free(ready.view(&self.sight)?, x, (net, &rule), steps, scratch)
         };
         let run = |tasks: &[Ready]| {
             let firsts: Vec<Option<usize>> =
@@ -81,4 +103,23 @@ impl Tasks {
         };
         WaypointValidation { easy: run(&self.easy), hard: run(&self.hard) }
     }
+}
+
+fn is_direct(ready: &Ready) -> bool {
+    let query = ready.objective.query();
+    query.scene().motion_is_free(query.start(), query.goal())
+}
+
+/// Whether CHOMP solves a task of a robot with joints from the straight line.
+fn chomp_solves(ready: &Ready) -> bool {
+    let mut objective = ready.objective.clone();
+    let mut x = vec![0.0; objective.dim()];
+    objective.straight_line(&mut x);
+    let method = Method::Chomp { step: Some(0.02) };
+    let unused = stream(0, Purpose::Planner, 0, 0);
+    let Ok(mut optimizer) = Optimizer::new(&method, &objective, unused) else { return false };
+    let done = run(&mut objective, &mut optimizer, &mut x, 100, Until::Certified, |_| {
+        ControlFlow::Continue(())
+    });
+    done.first_certified.is_some()
 }

@@ -20,22 +20,22 @@ use crate::space::PieceId;
 pub(super) const UNITS: f32 = 10.0;
 
 /// The clearance that balls of two links should keep, as a part of that from obstacles: links are built close to each other.
-const OF_LINKS: f32 = 0.2;
+pub(super) const OF_LINKS: f32 = 0.2;
 
 /// Buffers for costs of blocks.
 #[derive(Debug, Clone)]
 pub(super) struct Buffers {
-    q: Vec<Lane>,
-    frames: Vec<Frame>,
+    pub(super) q: Vec<Lane>,
+    pub(super) frames: Vec<Frame>,
     /// Centres of the balls around the parts, then of the balls.
-    places: Vec<Points>,
+    pub(super) places: Vec<Points>,
     placed: Vec<bool>,
     /// On each slot's frame, in the root's axes.
-    forces: Vec<Points>,
+    pub(super) forces: Vec<Points>,
     /// About the root's origin.
-    moments: Vec<Points>,
-    slopes: Vec<Lane>,
-    near: Vec<PieceId>,
+    pub(super) moments: Vec<Points>,
+    pub(super) slopes: Vec<Lane>,
+    pub(super) near: Vec<PieceId>,
 }
 
 impl Buffers {
@@ -107,16 +107,7 @@ fn chunk_body<const ISA: u8>(
     slopes: bool,
 ) -> Lane {
     let arm = &certifier.arm;
-    let zero = [[0.0; LANES]; 3];
-    buffers.forces.fill(zero);
-    buffers.moments.fill(zero);
-    buffers.slopes.fill([0.0; LANES]);
-    certifier.program.place::<ISA>(&buffers.q, &mut buffers.frames);
-    for (index, part) in arm.parts.iter().enumerate() {
-        let center = certifier.around[index].0;
-        point::<ISA>(&buffers.frames[part.slot], center, &mut buffers.places[index]);
-        buffers.placed[index] = false;
-    }
+    begin::<ISA>(certifier, buffers);
     let mut costs = [0.0; LANES];
     for index in certifier.first_moving..arm.parts.len() {
         from_world::<ISA>(certifier, buffers, index, epsilon, &mut costs);
@@ -129,6 +120,21 @@ fn chunk_body<const ISA: u8>(
         certifier.program.pull_back::<ISA>(frames, forces, moments, slopes);
     }
     costs
+}
+
+/// Places the parts of sixteen configurations, with no forces yet.
+#[inline(always)]
+pub(super) fn begin<const ISA: u8>(certifier: &Certifier, buffers: &mut Buffers) {
+    let zero = [[0.0; LANES]; 3];
+    buffers.forces.fill(zero);
+    buffers.moments.fill(zero);
+    buffers.slopes.fill([0.0; LANES]);
+    certifier.program.place::<ISA>(&buffers.q, &mut buffers.frames);
+    for (index, part) in certifier.arm.parts.iter().enumerate() {
+        let center = certifier.around[index].0;
+        point::<ISA>(&buffers.frames[part.slot], center, &mut buffers.places[index]);
+        buffers.placed[index] = false;
+    }
 }
 
 /// Costs and forces of one part among the pieces near to it.
@@ -176,7 +182,7 @@ fn from_world<const ISA: u8>(
 
 /// Costs and forces of two parts on each other.
 #[inline(always)]
-fn from_itself<const ISA: u8>(
+pub(super) fn from_itself<const ISA: u8>(
     certifier: &Certifier,
     buffers: &mut Buffers,
     a: usize,
@@ -232,7 +238,13 @@ fn far<const ISA: u8>(a: &Points, b: &Points, reach: f32) -> bool {
 
 /// Adds c of the gap `distance - radius` to the costs; the slope of c by the place, along the normal.
 #[inline(always)]
-fn press(costs: &mut Lane, epsilon: f32, distance: &Lane, normal: &Points, radius: f32) -> Points {
+pub(super) fn press(
+    costs: &mut Lane,
+    epsilon: f32,
+    distance: &Lane,
+    normal: &Points,
+    radius: f32,
+) -> Points {
     let mut force = [[0.0; LANES]; 3];
     for lane in 0..LANES {
         let gap = UNITS * (distance[lane] - radius);
@@ -245,11 +257,17 @@ fn press(costs: &mut Lane, epsilon: f32, distance: &Lane, normal: &Points, radiu
     force
 }
 
-/// Adds a force at a place, times `sign`, to a slot's force and moment.
+/// Adds a force at a place, times `factor`, to a slot's force and moment.
 #[inline(always)]
-fn push(force: &Points, place: &Points, sign: f32, total: &mut Points, moment: &mut Points) {
+pub(super) fn push(
+    force: &Points,
+    place: &Points,
+    factor: f32,
+    total: &mut Points,
+    moment: &mut Points,
+) {
     for lane in 0..LANES {
-        let f = [0, 1, 2].map(|axis: usize| sign * force[axis][lane]);
+        let f = [0, 1, 2].map(|axis: usize| factor * force[axis][lane]);
         let p = [0, 1, 2].map(|axis: usize| place[axis][lane]);
         for axis in 0..3 {
             let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -23,6 +23,7 @@ mod scene;
 mod sincos;
 mod spheres;
 mod surroundings;
+pub mod view;
 
 pub use covered::MeshHull;
 pub use explain::{explain, explain_ends};

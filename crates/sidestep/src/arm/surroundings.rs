@@ -75,11 +75,13 @@ impl Surroundings {
                     gap[lane] = if away > gap[lane] { away } else { gap[lane] };
                 }
             }
-            let mut bits = !above::<ISA>(&gap, reach) & 0xffff;
+            // What is behind the last piece is infinitely far, but for boxes with a NaN.
+            let pieces = self.primitives.len() - group * LANES;
+            let known = if pieces < LANES { (1 << pieces) - 1 } else { 0xffff };
+            let mut bits = !above::<ISA>(&gap, reach) & known;
             while bits != 0 {
                 let lane = bits.trailing_zeros() as usize;
                 bits &= bits - 1;
-                // What is behind the last piece is infinitely far.
                 found.push((group * LANES + lane) as PieceId);
             }
         }

@@ -20,7 +20,7 @@ pub use map_net::{MapScratch, MapShape};
 pub use mlp::{MAX_PARAMETERS, Mlp};
 pub use scratch::Scratch;
 pub use waypoint_net::{WaypointNet, WaypointScratch};
-pub use waypoint_shape::{OUTPUTS, WaypointShape};
+pub use waypoint_shape::WaypointShape;
 
 /// The network of a policy that sees a whole trajectory: the observation decides which one it takes.
 #[derive(Debug, Clone, PartialEq)]

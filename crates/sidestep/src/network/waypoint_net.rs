@@ -6,7 +6,7 @@
 //! ```text
 //! h <- relu(W_in x + b)
 //! h_i <- h_i + W_out relu(W_conv [h_{i-d}, h_i, h_{i+d}] + b) + b'      for each dilation d
-//! output_i = W_head h_i + b''                                          2 numbers
+//! output_i = W_head h_i + b''                                          a number for each direction
 //! ```
 //!
 //! No normalisation layers. Parameters lie in the flat vector in that order, per layer weights
@@ -18,10 +18,10 @@ use std::ops::Range;
 use super::layer::Layer;
 use super::map_net::{self, MapScratch};
 use super::neighbours::{add, gather, scatter};
-use super::waypoint_shape::{OUTPUTS, WaypointShape};
+use super::waypoint_shape::WaypointShape;
 use crate::error::InvalidInput;
+use crate::kernels::Isa;
 use crate::kernels::dense::{Activation, padded};
-use crate::kernels::{Isa, LANES};
 
 /// A waypoint network with its parameters and their packed copies for the kernels.
 #[derive(Debug, Clone)]
@@ -42,6 +42,7 @@ impl PartialEq for WaypointNet {
 pub struct WaypointScratch {
     rows: usize,
     waypoints: usize,
+    outputs: usize,
     /// `[rows x padded(inputs)]`.
     input: Vec<f32>,
     /// Per block boundary, `[rows x width]`.
@@ -50,7 +51,7 @@ pub struct WaypointScratch {
     neighbours: Vec<Vec<f32>>,
     /// Per block, `[rows x width]`, after the activation.
     active: Vec<Vec<f32>>,
-    /// `[rows x LANES]`.
+    /// `[rows x padded(outputs)]`.
     output: Vec<f32>,
     d_output: Vec<f32>,
     /// `[rows x padded(inputs)]`, of a network with a map.
@@ -68,9 +69,20 @@ impl WaypointScratch {
         &mut self.input
     }
 
-    /// The output of one row of the last forward pass.
-    pub fn output(&self, row: usize) -> [f32; OUTPUTS] {
-        let row = &self.output[row * LANES..];
+    /// The output `[outputs]` of one row of the last forward pass.
+    pub fn output(&self, row: usize) -> &[f32] {
+        &self.output[row * padded(self.outputs)..][..self.outputs]
+    }
+
+    /// The outputs of some rows of the last forward pass, one after the other.
+    pub fn outputs(&self, rows: Range<usize>, out: &mut Vec<f32>) {
+        out.clear();
+        rows.for_each(|row| out.extend_from_slice(self.output(row)));
+    }
+
+    /// The first two numbers of it: all that there are in the plane.
+    pub fn pair(&self, row: usize) -> [f32; 2] {
+        let row = &self.output[row * padded(self.outputs)..];
         [row[0], row[1]]
     }
 
@@ -164,7 +176,8 @@ impl WaypointNet {
         size(&mut scratch.hidden, blocks + 1, width);
         size(&mut scratch.neighbours, blocks, 3 * width);
         size(&mut scratch.active, blocks, width);
-        scratch.output.resize(rows * LANES, 0.0);
+        scratch.outputs = self.shape.outputs;
+        scratch.output.resize(rows * padded(self.shape.outputs), 0.0);
     }
 
     /// Runs the network on the scratch's input rows, which are trajectories of `waypoints` rows each.
@@ -194,22 +207,24 @@ impl WaypointNet {
     }
 
     /// Adds to the flat `gradient` that of a loss whose gradient with respect to the outputs of the last
-    /// [`WaypointNet::forward`] is `output_gradient [rows x 2]`.
+    /// [`WaypointNet::forward`] is `output_gradient [rows x outputs]`.
     ///
     /// # Panics
     /// If `scratch` does not come from a forward pass of a network of this shape, or a slice is too short.
     pub fn backward(
         &self,
-        output_gradient: &[[f32; OUTPUTS]],
+        output_gradient: &[f32],
         scratch: &mut WaypointScratch,
         gradient: &mut [f32],
     ) {
         let isa = Isa::detect();
         let WaypointScratch { rows, waypoints, .. } = *scratch;
         let (width, blocks) = (self.shape.width, self.shape.dilations.len());
-        scratch.d_output.resize(rows * LANES, 0.0);
-        for (row, given) in scratch.d_output.chunks_exact_mut(LANES).zip(output_gradient) {
-            row[..OUTPUTS].copy_from_slice(given);
+        let (outputs, stride) = (self.shape.outputs, padded(self.shape.outputs));
+        scratch.d_output.resize(rows * stride, 0.0);
+        let given = output_gradient.chunks_exact(outputs);
+        for (row, given) in scratch.d_output.chunks_exact_mut(stride).zip(given) {
+            row[..outputs].copy_from_slice(given);
         }
         for buffer in [&mut scratch.d_hidden, &mut scratch.d_active] {
             buffer.resize(rows * width, 0.0);
@@ -319,7 +334,7 @@ mod tests {
                 h.iter_mut().zip(out).for_each(|(h, out)| *h += out);
             }
         }
-        dense(&h, width, OUTPUTS, false).concat()
+        dense(&h, width, shape.outputs, false).concat()
     }
 
     proptest! {
@@ -330,9 +345,10 @@ mod tests {
             waypoints in 1_usize..7,
             trajectories in 1_usize..4,
             dilations in prop::collection::vec(1_usize..4, 0..3),
+            outputs in 1_usize..20,
             seed in 0_u64..1000,
         ) {
-            let shape = WaypointShape { inputs, width: 16, dilations, map: None };
+            let shape = WaypointShape { inputs, width: 16, dilations, outputs, map: None };
             let count = shape.parameter_count().unwrap();
             let net = WaypointNet::new(&shape, values(count, seed)).unwrap();
             let rows = waypoints * trajectories;
@@ -348,18 +364,17 @@ mod tests {
             let wide = |values: &[f32]| values.iter().map(|&v| f64::from(v)).collect::<Vec<_>>();
             let (mut exact, input) = (wide(net.parameters()), wide(&input));
             let expected = reference(&shape, &exact, &input, waypoints);
-            for (row, want) in expected.chunks(2).enumerate() {
+            for (row, want) in expected.chunks(outputs).enumerate() {
                 for (got, want) in scratch.output(row).iter().zip(want) {
                     prop_assert!((f64::from(*got) - want).abs() <= 1e-4, "{got} {want}");
                 }
             }
-            let weights: Vec<[f32; 2]> =
-                values(2 * rows, seed + 2).chunks(2).map(|w| [w[0], w[1]]).collect();
+            let weights = values(outputs * rows, seed + 2);
             let mut gradient = vec![0.25; count];
             net.backward(&weights, &mut scratch, &mut gradient);
             let loss = |parameters: &[f64]| -> f64 {
                 let outputs = reference(&shape, parameters, &input, waypoints);
-                outputs.iter().zip(weights.iter().flatten()).map(|(y, &w)| y * f64::from(w)).sum()
+                outputs.iter().zip(&weights).map(|(y, &w)| y * f64::from(w)).sum()
             };
             let h = 1e-7;
             for index in (0..count).step_by(7) {
@@ -378,7 +393,8 @@ mod tests {
     #[test]
     fn refuses_shapes_that_do_not_fit() {
         let check = |inputs: usize, width: usize, dilations: &[usize], field: &str| {
-            let shape = WaypointShape { inputs, width, dilations: dilations.to_vec(), map: None };
+            let dilations = dilations.to_vec();
+            let shape = WaypointShape { inputs, width, dilations, outputs: 2, map: None };
             assert_eq!(WaypointNet::new(&shape, Vec::new()).unwrap_err().field, field);
         };
         check(0, 16, &[1], "network.inputs");

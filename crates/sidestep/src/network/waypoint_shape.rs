@@ -7,8 +7,8 @@ use super::map_net::MapShape;
 use crate::error::InvalidInput;
 use crate::kernels::LANES;
 
-/// Numbers per waypoint that come out: an update in two directions.
-pub const OUTPUTS: usize = 2;
+/// Most numbers per waypoint that come out.
+const MAX_OUTPUTS: usize = 64;
 
 /// Sizes of a waypoint network.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -20,6 +20,8 @@ pub struct WaypointShape {
     pub width: usize,
     /// One residual block each, with its convolution's dilation.
     pub dilations: Vec<usize>,
+    /// Numbers per waypoint that come out: an update in each direction.
+    pub outputs: usize,
     /// The map of the task that the last inputs were read from, if any.
     pub map: Option<MapShape>,
 }
@@ -38,6 +40,9 @@ impl WaypointShape {
         }
         if !(LANES..=1024).contains(&self.width) || !self.width.is_multiple_of(LANES) {
             return refuse("width", self.width, format!("a multiple of {LANES} up to 1024"));
+        }
+        if !(1..=MAX_OUTPUTS).contains(&self.outputs) {
+            return refuse("outputs", self.outputs, format!("a number from 1 to {MAX_OUTPUTS}"));
         }
         if self.dilations.len() > 64 {
             return refuse("dilations", self.dilations.len(), "up to 64 blocks".into());
@@ -63,6 +68,6 @@ impl WaypointShape {
         let blocks = self.dilations.iter().flat_map(|_| block);
         let first = std::iter::once((self.inputs, self.width));
         let map = self.map.iter().flat_map(MapShape::layer_sizes);
-        first.chain(blocks).chain([(self.width, OUTPUTS)]).chain(map).collect()
+        first.chain(blocks).chain([(self.width, self.outputs)]).chain(map).collect()
     }
 }

@@ -13,6 +13,7 @@ pub mod reference;
 
 use std::sync::Arc;
 
+use crate::arm::view::ArmSubject;
 use crate::error::InvalidInput;
 use crate::kernels::{Block, Isa, dispatch};
 use crate::plane::Subject;
@@ -169,6 +170,17 @@ impl Objective {
         let &[a, b, c, d] = &self.ends[..] else { return None };
         let (start, goal) = ([a, b], [c, d]);
         Some(Subject { scene, start, goal, waypoints: self.waypoints })
+    }
+
+    /// The question as a policy of robots with joints sees it, where the robot is one.
+    pub fn arm(&self) -> Option<ArmSubject<'_>> {
+        let scene = self.scene().arm()?;
+        Some(ArmSubject {
+            scene,
+            start: self.start(),
+            goal: self.goal(),
+            waypoints: self.waypoints,
+        })
     }
 
     /// U at the waypoints `x` (`[N x dof]`).

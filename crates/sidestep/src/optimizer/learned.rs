@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use rand_chacha::ChaCha8Rng;
 
+use crate::arm::view::{ArmSensor, ArmView, ArmViewShape};
 use crate::error::InvalidInput;
 use crate::network::{Scratch, WaypointNet, WaypointScratch};
 use crate::objective::Objective;
@@ -25,6 +26,8 @@ const PATIENCE: u32 = 10;
 /// Sizes of the bend with and without a map, in normalised units; see [`bend`].
 const NUDGE: f32 = 0.5;
 const KICK: f32 = 2.0;
+/// Size of the bend of a robot with joints, rad or m.
+const TURN: f32 = 0.3;
 
 #[derive(Debug)]
 pub(super) struct Learned {
@@ -48,6 +51,15 @@ enum Sight {
         sights: Vec<Sighted>,
         /// Which of them is taken.
         at: usize,
+        /// Steps so far.
+        age: u32,
+        /// Which segments of a bent trajectory are free, `[N + 1]`.
+        free: Vec<bool>,
+        scratch: WaypointScratch,
+    },
+    Joints {
+        view: ArmView,
+        sensor: ArmSensor,
         /// Steps so far.
         age: u32,
         /// Which segments of a bent trajectory are free, `[N + 1]`.
@@ -140,6 +152,24 @@ impl Learned {
                     scratch: network.scratch(objective.waypoints()),
                 }
             }
+            PolicyNetwork::Joints { view, network } => {
+                let subject = objective.arm().filter(|s| *view == ArmViewShape::of(s.scene.arm()));
+                let refuse = || {
+                    let allowed = format!(
+                        "a robot of {} joints and {} balls that are looked at for it",
+                        view.dof, view.balls
+                    );
+                    InvalidInput::new("planner", "a policy of a robot with joints", allowed)
+                };
+                let subject = subject.ok_or_else(refuse)?;
+                Sight::Joints {
+                    view: ArmView::new(subject),
+                    sensor: ArmSensor::new(subject),
+                    age: 0,
+                    free: vec![false; objective.waypoints() + 1],
+                    scratch: network.scratch(objective.waypoints()),
+                }
+            }
         };
         Ok(Self { policy, sight, rng })
     }
@@ -186,7 +216,26 @@ impl Learned {
                     sights[*at].encode(policy, subject, Iterate { x, free, gradient }, scratch);
                 }
                 network.forward(scratch, objective.waypoints());
-                sights[*at].view.apply(rule, |i| scratch.output(i), x);
+                sights[*at].view.apply(rule, |i| scratch.pair(i), x);
+            }
+            (
+                PolicyNetwork::Joints { network, .. },
+                Sight::Joints { view, sensor, age, free: own, scratch },
+                _,
+            ) => {
+                let Some(subject) = objective.arm() else { return };
+                let stuck = *age > 0 && age.is_multiple_of(PATIENCE) && free.contains(&false);
+                if stuck {
+                    bend(objective.dof(), x, TURN, &mut self.rng);
+                    objective.free_segments(x, own);
+                }
+                *age += 1;
+                let stride = network.input_stride();
+                let rows = scratch.input(subject.waypoints, stride);
+                let free = if stuck { own } else { free };
+                view.encode(subject, sensor, (x, free), rows, stride);
+                network.forward(scratch, subject.waypoints);
+                view.apply(subject, rule, |i| scratch.output(i), x);
             }
             // `new` made the sight that belongs to the network, in the plane where it needs one.
             _ => {}
@@ -210,11 +259,12 @@ impl Learned {
         match self.policy.network() {
             PolicyNetwork::Whole { .. } => true,
             PolicyNetwork::Waypoint { view, .. } => view.gradient,
+            PolicyNetwork::Joints { .. } => false,
         }
     }
 
     /// Whether the policy sees which segments are free.
     pub fn uses_free_segments(&self) -> bool {
-        matches!(self.sight, Sight::Waypoints { .. })
+        matches!(self.sight, Sight::Waypoints { .. } | Sight::Joints { .. })
     }
 }

@@ -7,6 +7,7 @@
 //! `layers.L.bias [outputs]`, and the card as its document. A file is checked as a whole before it is used:
 //! version, observation, sizes, every tensor's shape, every number finite.
 
+mod check;
 pub mod observation;
 pub mod shipped;
 pub mod tensors;
@@ -15,16 +16,15 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
+use crate::arm::view::ArmViewShape;
 use crate::error::InvalidInput;
-use crate::network::{Cnn, Mlp, Network, Part, WaypointNet, WaypointShape};
+use crate::network::{Cnn, Mlp, Network, Part, WaypointNet};
 use crate::plane::view::ViewParts;
-use crate::policy::observation::{
-    ObservationPart, OwnPart, architecture_for, image_place, observation_len,
-};
+use crate::policy::observation::{ObservationPart, OwnPart, image_place};
 use crate::policy::tensors::{Reader, Tensor};
-use crate::profile::{MAX_WAYPOINTS, Profile};
 
 pub use crate::trajectory::ActionRule;
+use check::{check_card, check_waypoint, check_whole};
 
 /// The version of the policy file that this program writes and reads.
 pub const FORMAT: &str = "sidestep.policy/1";
@@ -86,7 +86,14 @@ pub enum PolicyNetwork {
         /// From observation to update.
         network: Network,
     },
-    /// Sees each waypoint with its surroundings.
+    /// Sees each waypoint of a robot with joints.
+    Joints {
+        /// What the view is made of.
+        view: ArmViewShape,
+        /// From the view's rows to updates.
+        network: WaypointNet,
+    },
+    /// Sees each waypoint of a robot in the plane with its surroundings.
     Waypoint {
         /// What the view is made of.
         view: ViewParts,
@@ -140,8 +147,12 @@ impl Policy {
         card.sizes = vec![shape.inputs, shape.width];
         card.sizes.extend_from_slice(&shape.dilations);
         check_card(&card)?;
-        let (view, _) = check_waypoint(&card)?;
-        Ok(Self { card, network: PolicyNetwork::Waypoint { view, network } })
+        let (sight, shape) = check_waypoint(&card)?;
+        if shape != *network.shape() {
+            let found = format!("{:?}", network.shape());
+            return Err(InvalidInput::new("policy.sizes", found, format!("{shape:?}")));
+        }
+        Ok(Self { card, network: sight.with(network) })
     }
 
     /// The card.
@@ -158,7 +169,7 @@ impl Policy {
     pub fn fixed_waypoints(&self) -> Option<usize> {
         match self.network {
             PolicyNetwork::Whole { .. } => Some(self.card.waypoints),
-            PolicyNetwork::Waypoint { .. } => None,
+            PolicyNetwork::Waypoint { .. } | PolicyNetwork::Joints { .. } => None,
         }
     }
 
@@ -166,7 +177,7 @@ impl Policy {
     pub fn fixed_profile(&self) -> Option<&str> {
         match self.network {
             PolicyNetwork::Whole { .. } => Some(&self.card.profile),
-            PolicyNetwork::Waypoint { .. } => None,
+            PolicyNetwork::Waypoint { .. } | PolicyNetwork::Joints { .. } => None,
         }
     }
 
@@ -193,7 +204,7 @@ impl Policy {
     pub fn to_safetensors(&self) -> Result<Vec<u8>, InvalidInput> {
         let tensors = match &self.network {
             PolicyNetwork::Whole { network, .. } => parameter_tensors(network, ""),
-            PolicyNetwork::Waypoint { network, .. } => {
+            PolicyNetwork::Waypoint { network, .. } | PolicyNetwork::Joints { network, .. } => {
                 let sizes = network.shape().layer_sizes();
                 layer_tensors(&sizes, network.layer_ranges(), network.parameters(), "")
             }
@@ -220,9 +231,9 @@ impl Policy {
         check_card(&card)?;
         let network = match card.architecture.as_str() {
             WAYPOINT => {
-                let (view, shape) = check_waypoint(&card)?;
+                let (sight, shape) = check_waypoint(&card)?;
                 let parameters = read_layers(&mut reader, &shape.layer_sizes(), "")?;
-                PolicyNetwork::Waypoint { view, network: WaypointNet::new(&shape, parameters)? }
+                sight.with(WaypointNet::new(&shape, parameters)?)
             }
             _ => {
                 let parts = check_whole(&card, own)?;
@@ -318,72 +329,6 @@ fn read_layers(
         parameters.extend(reader.tensor(&format!("{name}.bias"), &[outputs])?);
     }
     Ok(parameters)
-}
-
-fn check_card(card: &PolicyCard) -> Result<(), InvalidInput> {
-    if ![MLP, CNN, WAYPOINT].contains(&card.architecture.as_str()) {
-        let allowed = format!("{MLP}, {CNN} or {WAYPOINT}");
-        return Err(InvalidInput::new("policy.architecture", &card.architecture, allowed));
-    }
-    card.profile.parse::<Profile>().map_err(|error| error.inside("policy"))?;
-    if !(1..=MAX_WAYPOINTS).contains(&card.waypoints) {
-        let allowed = format!("a number from 1 to {MAX_WAYPOINTS}");
-        return Err(InvalidInput::new("policy.waypoints", card.waypoints, allowed));
-    }
-    if !(1..=MAX_DOF).contains(&card.dof) {
-        let allowed = format!("a number from 1 to {MAX_DOF}");
-        return Err(InvalidInput::new("policy.dof", card.dof, allowed));
-    }
-    card.action.check()
-}
-
-/// The view and the network's shape of a card of the architecture [`WAYPOINT`].
-fn check_waypoint(card: &PolicyCard) -> Result<(ViewParts, WaypointShape), InvalidInput> {
-    let inside = |error: InvalidInput| error.inside("policy");
-    let view = ViewParts::from_names(&card.observation).map_err(inside)?;
-    let row = view.row_len();
-    match card.sizes[..] {
-        [inputs, width, ref dilations @ ..] if inputs == row => {
-            let (dilations, map) = (dilations.to_vec(), view.map.clone());
-            let shape = WaypointShape { inputs, width, dilations, map };
-            shape.parameter_count().map_err(inside)?;
-            Ok((view, shape))
-        }
-        _ => Err(InvalidInput::new(
-            "policy.sizes",
-            format!("{:?}", card.sizes),
-            format!("[{row}, width, dilation..] for {}", card.observation.join(" + ")),
-        )),
-    }
-}
-
-/// The parts of the observation of a card of the architectures [`MLP`] and [`CNN`].
-fn check_whole(card: &PolicyCard, own: &[OwnPart]) -> Result<Vec<ObservationPart>, InvalidInput> {
-    let named: Result<Vec<_>, _> =
-        card.observation.iter().map(|name| ObservationPart::named(name, own)).collect();
-    let parts = named.map_err(|error| error.inside("policy"))?;
-    let length = observation_len(&parts, card.waypoints, card.dof)
-        .map_err(|error| error.inside("policy"))?;
-    let expected = architecture_for(&parts);
-    if card.architecture != expected {
-        let observation = card.observation.join(" + ");
-        let allowed = format!("{expected}, which the observation {observation} takes");
-        return Err(InvalidInput::new("policy.architecture", &card.architecture, allowed));
-    }
-    let (first, last) = (card.sizes.first().copied(), card.sizes.last().copied());
-    if card.sizes.len() < 2 || first != Some(length) || last != Some(card.dof * card.waypoints) {
-        return Err(InvalidInput::new(
-            "policy.sizes",
-            format!("{:?}", card.sizes),
-            format!(
-                "[{length}, .., {}] for the observation {} of {} waypoints",
-                card.dof * card.waypoints,
-                card.observation.join(" + "),
-                card.waypoints
-            ),
-        ));
-    }
-    Ok(parts)
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::network::WaypointShape;
+use crate::profile::Profile;
 
 fn card(observation: &[&str], waypoints: usize) -> PolicyCard {
     PolicyCard {
@@ -30,7 +32,7 @@ fn policy() -> Policy {
 fn mlp(policy: &Policy) -> &Network {
     match policy.network() {
         PolicyNetwork::Whole { network, .. } => network,
-        PolicyNetwork::Waypoint { .. } => unreachable!("made as an mlp"),
+        _ => unreachable!("made as an mlp"),
     }
 }
 
@@ -116,11 +118,41 @@ fn contradictions_name_both_sides() {
 fn waypoint_policy() -> Policy {
     let card = card(&["waypoints", "probes:4x1", "map:5x16x1,2"], 10);
     let view = ViewParts::from_names(&card.observation).unwrap();
-    let shape =
-        WaypointShape { inputs: view.row_len(), width: 16, dilations: vec![1, 3], map: view.map };
+    let shape = WaypointShape {
+        inputs: view.row_len(),
+        width: 16,
+        dilations: vec![1, 3],
+        outputs: 2,
+        map: view.map,
+    };
     let count = shape.parameter_count().unwrap();
     let parameters = (0..count).map(|i| (i as f32 * 0.7).sin()).collect();
     Policy::of_waypoints(card, WaypointNet::new(&shape, parameters).unwrap()).unwrap()
+}
+
+#[test]
+fn a_policy_of_joints_comes_back_and_others_are_refused() {
+    let card = PolicyCard { dof: 3, ..card(&["joints:12"], 10) };
+    let (inputs, dilations) = (12 * 3 + 3 * 12 + 17, vec![1, 2]);
+    let shape = WaypointShape { inputs, width: 16, dilations, outputs: 3, map: None };
+    let count = shape.parameter_count().unwrap();
+    let network = WaypointNet::new(&shape, vec![0.5; count]).unwrap();
+    let policy = Policy::of_waypoints(card.clone(), network.clone()).unwrap();
+    assert!(matches!(policy.network(), PolicyNetwork::Joints { .. }));
+    assert_eq!(Policy::from_safetensors(&policy.to_safetensors().unwrap()), Ok(policy));
+    for (dof, observation, field) in [
+        (4, "joints:12", "policy.sizes"),
+        (3, "joints:9", "policy.sizes"),
+        (3, "joints:0", "policy.observation"),
+        (3, "joint:12", "policy.observation"),
+    ] {
+        let card = PolicyCard { dof, observation: vec![observation.into()], ..card.clone() };
+        let error = Policy::of_waypoints(card, network.clone()).unwrap_err();
+        assert_eq!(error.field, field);
+    }
+    let plane = PolicyCard { dof: 3, ..waypoint_policy().card().clone() };
+    let error = Policy::of_waypoints(plane, network).unwrap_err();
+    assert_eq!(error.field, "policy.dof");
 }
 
 #[test]

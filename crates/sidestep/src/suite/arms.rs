@@ -4,14 +4,20 @@
 //! Problem i of a seed has streams of its own; the scenes that are looked at for it are numbered by it. A problem is kept as
 //! soon as both ends are free; whether there is a way between them is not looked at.
 
+use std::collections::HashMap;
+
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::arm::certificate::Certifier;
 use crate::arm::{Arm, Body, BodyShape, Joint, JointKind, Limits, Link, Model, Tool};
 use crate::error::InvalidInput;
-use crate::plan::parallel;
+use crate::optimizer::Method;
+use crate::plan::rrt_connect::RrtConnect;
+use crate::plan::{Options, Planner, parallel, plan};
+use crate::profile::Profile;
 use crate::rng::{Purpose, stream};
+use crate::scene::{Query, Setting, Task};
 use crate::space::generate::Family;
 use crate::space::{Pose, World};
 use std::sync::Arc;
@@ -22,6 +28,10 @@ use std::sync::Arc;
 pub enum ArmSuite {
     /// Boxes around a planar arm.
     PlanarArm,
+    /// Those whose straight line is not free, and for which RRT-Connect finds a way.
+    PlanarBlocked,
+    /// Those of them that CHOMP does not solve from the straight line.
+    PlanarHard,
     /// Shelves of three kinds in turn.
     Shelf,
     /// Above and under a crowded table, in turn.
@@ -41,8 +51,10 @@ const NEAR_REST: f64 = 0.12;
 
 impl ArmSuite {
     /// All suites with their names.
-    pub const NAMES: [(&'static str, Self); 10] = [
+    pub const NAMES: [(&'static str, Self); 12] = [
         ("planar-arm", Self::PlanarArm),
+        ("planar-arm-blocked", Self::PlanarBlocked),
+        ("planar-arm-hard", Self::PlanarHard),
         ("box", Self::Of(Family::Box)),
         ("shelf", Self::Shelf),
         ("table", Self::Table),
@@ -63,13 +75,18 @@ impl ArmSuite {
     fn family(&self, index: u64) -> Family {
         let of = |families: &[Family]| families[(index % families.len() as u64) as usize];
         match self {
-            Self::PlanarArm => Family::PlanarBoxes,
+            Self::PlanarArm | Self::PlanarBlocked | Self::PlanarHard => Family::PlanarBoxes,
             Self::Shelf => {
                 of(&[Family::BookshelfSmall, Family::BookshelfTall, Family::BookshelfThin])
             }
             Self::Table => of(&[Family::TablePick, Family::TableUnderPick]),
             Self::Of(family) => *family,
         }
+    }
+
+    /// Whether the suite makes its own robot, a planar arm.
+    pub fn is_planar(&self) -> bool {
+        self.family(0) == Family::PlanarBoxes
     }
 
     /// The first `count` problems of a seed, the same on every machine and for every number of threads. `tool` is what
@@ -98,8 +115,11 @@ impl ArmSuite {
         drawn.into_iter().collect()
     }
 
-    /// Problem `index` of a seed.
-    fn problem(
+    /// Problem `index` of a seed: that of [`Self::generate`].
+    ///
+    /// # Errors
+    /// As [`Self::generate`].
+    pub fn problem(
         &self,
         arm: &Arc<Arm>,
         tool: Option<&Tool>,
@@ -125,9 +145,11 @@ impl ArmSuite {
                 true => ends.near_rest(&mut rng),
                 false => ends.toward(&scene.starts, &mut rng)?,
             };
-            if let Some(start) = start.filter(|start| *start != goal) {
-                let name = format!("{}/{index}", family.name());
-                return Ok(ArmProblem { name, world, start, goal });
+            let Some(start) = start.filter(|start| *start != goal) else { continue };
+            let name = format!("{}/{index}", family.name());
+            let problem = ArmProblem { name, world, start, goal };
+            if self.takes(arm, &problem, &mut rng)? {
+                return Ok(problem);
             }
         }
         let found = format!("{} for {}", self.name(), arm.name());
@@ -135,6 +157,41 @@ impl ArmSuite {
             "a robot that reaches what there is to reach without standing in it, in one of {MOST_SCENES} scenes"
         );
         Err(InvalidInput::new("suite", found, allowed))
+    }
+}
+
+/// Samples of RRT-Connect, twice, before a problem counts as unsolved.
+const SAMPLES: usize = 20_000;
+/// Steps that CHOMP has, and its step: the best of several for planar arms of four joints on seed 7.
+const CHOMP: (usize, f32) = (100, 0.02);
+
+impl ArmSuite {
+    /// Whether a problem with free ends is one of the suite's.
+    fn takes(
+        &self,
+        arm: &Arc<Arm>,
+        problem: &ArmProblem,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<bool, InvalidInput> {
+        if !matches!(self, Self::PlanarBlocked | Self::PlanarHard) {
+            return Ok(true);
+        }
+        let ArmProblem { name, world, start, goal } = problem.clone();
+        let task = Task::new(name, Setting::Arm { arm: arm.clone(), world }, start, goal)?;
+        let query = Query::of(&task, &Profile::DEFAULT);
+        if query.scene().motion_is_free(query.start(), query.goal()) {
+            return Ok(false);
+        }
+        if *self == Self::PlanarHard {
+            let chomp = Planner::Optimizer(Method::Chomp { step: Some(CHOMP.1) });
+            let options = Options { steps: CHOMP.0, ..Options::default() };
+            if plan(&task, &chomp, &options)?.is_solved() {
+                return Ok(false);
+            }
+        }
+        let trees =
+            RrtConnect { max_samples: SAMPLES, shortcut_rounds: 0, ..RrtConnect::default() };
+        Ok((0..2).any(|_| trees.plan(&query, rng).trajectory.is_some()))
     }
 }
 
@@ -250,16 +307,22 @@ pub fn planar_arm(count: usize) -> Result<Model, InvalidInput> {
     Model::new(format!("planar arm of {count}"), links, joints)
 }
 
+/// [`planar_arm`] compiled, whose links must not touch each other but for neighbours.
+///
+/// # Errors
+/// If there is no link or more than [`MAX_PLANAR`].
+pub fn planar_arm_alone(count: usize) -> Result<Arm, InvalidInput> {
+    let arm = Arm::new(&planar_arm(count)?, &[], &HashMap::new())?;
+    let next = |i: usize| (format!("link_{i}"), format!("link_{}", i + 1));
+    arm.with_self_collisions(&(1..count).map(next).collect::<Vec<_>>())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::HashMap;
 
     fn planar(count: usize) -> Arc<Arm> {
-        let arm = Arm::new(&planar_arm(count).unwrap(), &[], &HashMap::new()).unwrap();
-        let next = |i: usize| (format!("link_{i}"), format!("link_{}", i + 1));
-        let neighbours: Vec<(String, String)> = (1..count).map(next).collect();
-        Arc::new(arm.with_self_collisions(&neighbours).unwrap())
+        Arc::new(planar_arm_alone(count).unwrap())
     }
 
     #[test]
@@ -282,6 +345,22 @@ mod tests {
         }
         assert_ne!(one[0].start, other[0].start);
         assert!(one.iter().any(|problem| !problem.world.objects().is_empty()));
+    }
+
+    #[test]
+    fn problems_that_are_blocked_and_hard_are_what_they_say() {
+        let arm = planar(3);
+        for (suite, steps) in [(ArmSuite::PlanarBlocked, 1), (ArmSuite::PlanarHard, 100)] {
+            for problem in suite.generate(&arm, None, None, 4, 1001, &|| {}).unwrap() {
+                let setting = Setting::Arm { arm: arm.clone(), world: problem.world };
+                let task = Task::new("", setting, problem.start, problem.goal).unwrap();
+                let options = Options { steps, ..Options::default() };
+                let chomp = Planner::Optimizer(Method::Chomp { step: Some(CHOMP.1) });
+                let tried = plan(&task, &chomp, &options).unwrap();
+                assert!(tried.steps > 0 && (steps == 1 || !tried.is_solved()), "{tried:?}");
+                assert!(plan(&task, &Planner::default(), &options).unwrap().is_solved());
+            }
+        }
     }
 
     #[test]

@@ -2,12 +2,14 @@
 
 mod action;
 mod bends;
+mod covariant;
 pub mod driving;
 pub mod timing;
 mod violation;
 pub mod waypoints;
 
 pub use action::ActionRule;
+pub(crate) use covariant::Covariant;
 pub use violation::{ObstacleId, Violation};
 
 /// Points that [`Trajectory::roughness`] looks at.

@@ -6,7 +6,7 @@
 //! step: with shapes phi_k(i) = sin(pi k i / (N + 1)) and z standard normal,
 //!
 //! ```text
-//! step = output + noise,   noise = sum over k = 1..8 of (sigma / k) z_k phi_k        (in both directions)
+//! step = output + noise,   noise = sum over k = 1..8 of (sigma / k) z_k phi_k        (in each direction)
 //! R = 1 - haste t / T - stretch min(length / shortest - 1, 1) where the walk is free after t of T steps, else 0
 //! A = (R - mean of the task) / (standard deviation of the task + 0.1)
 //! d(-A log density) / d output_i = -A sum over k of z_k phi_k(i) / (sigma / k) / |phi_k|^2
@@ -27,11 +27,11 @@
 //! r = exp(sum of (z^2 - z'^2) / 2);   loss = -min(r A, clamp(r, 1 - clip, 1 + clip) A)
 //! ```
 
-use sidestep::network::{OUTPUTS, WaypointScratch};
+use sidestep::network::WaypointScratch;
 use sidestep::objective::Objective;
 
 use super::imitation::Part;
-use super::loss::{Lesson, LossScratch};
+use super::loss::{Lesson, LossScratch, Made};
 use super::walks::{MODES, Shapes, Walk, Walked, Walker, Worth};
 use crate::routes::Target;
 
@@ -41,8 +41,9 @@ pub(crate) struct Lessons {
     scratch: WaypointScratch,
     walked: Vec<Walked>,
     /// Outputs that each walk that teaches was walked by, in order.
-    old: Vec<Vec<[f32; OUTPUTS]>>,
-    d_output: Vec<[f32; OUTPUTS]>,
+    old: Vec<Vec<f32>>,
+    now: Vec<f32>,
+    d_output: Vec<f32>,
     loss_scratch: LossScratch,
 }
 
@@ -66,8 +67,8 @@ impl Lessons {
     /// Adds the gradient summed over walks to `part`; the first call after [`Lessons::walk`] is the
     /// first epoch.
     pub fn learn(&mut self, walker: Walker<'_>, part: &mut Part) {
-        let Self { scratch, walked, old, d_output, loss_scratch } = self;
-        let (net, row_len) = (walker.net, walker.ingredients.view.row_len());
+        let Self { scratch, walked, old, now, d_output, loss_scratch } = self;
+        let (net, row_len) = (walker.net, walker.ingredients.sight.row_len());
         let stride = net.input_stride();
         let mut place = 0;
         for Walked { waypoints, shapes, ready, walks, targets } in walked {
@@ -81,18 +82,22 @@ impl Lessons {
                 }
                 let rows = walk.seen.len() / stride;
                 scratch.input(rows, stride).copy_from_slice(&walk.seen);
-                if let (Some(map), false) = (ready.map.as_ref(), is_first) {
+                if let (Some(map), false) = (ready.map(), is_first) {
                     map.read_rows(&walk.places, scratch.input(rows, stride), stride, row_len);
                 }
                 net.forward(scratch, *waypoints);
                 if is_first {
-                    old.push((0..rows).map(|row| scratch.output(row)).collect());
+                    let mut outputs = Vec::new();
+                    scratch.outputs(0..rows, &mut outputs);
+                    old.push(outputs);
                 }
                 d_output.clear();
                 match walk.worth {
                     Worth::Nothing => {}
                     Worth::Advantage(advantage) => {
-                        slopes(walker, walk, advantage, shapes, &old[place], scratch, d_output);
+                        scratch.outputs(0..rows, now);
+                        let moved = Moved { old: &old[place], now };
+                        slopes(walker, walk, advantage, shapes, moved, d_output);
                     }
                     Worth::Repair => {
                         let objective = &ready.objective;
@@ -101,7 +106,7 @@ impl Lessons {
                 }
                 place += 1;
                 net.backward(d_output, scratch, &mut part.gradient);
-                if let Some(map) = ready.map.as_mut() {
+                if let Some(map) = ready.map() {
                     map.collect_rows(&walk.places, scratch.input_slopes(), stride, row_len);
                 }
             }
@@ -110,48 +115,56 @@ impl Lessons {
     }
 }
 
-/// The loss's slopes with respect to the outputs that `scratch` holds, `[steps x N]`.
+/// Outputs of a walk `[steps x N x dof]`: those that it was walked by, and those of the network as it is now.
+#[derive(Clone, Copy)]
+struct Moved<'a> {
+    old: &'a [f32],
+    now: &'a [f32],
+}
+
+/// Appends the loss's slopes with respect to the outputs, `[steps x N x dof]`.
 fn slopes(
     walker: Walker<'_>,
     walk: &Walk,
     advantage: f32,
     shapes: &Shapes,
-    old: &[[f32; OUTPUTS]],
-    scratch: &WaypointScratch,
-    d_output: &mut Vec<[f32; OUTPUTS]>,
+    moved: Moved<'_>,
+    d_output: &mut Vec<f32>,
 ) {
     let (sigma, clip, waypoints) = (walker.sigma(), walker.settings.clip, shapes.values[0].len());
-    for (step, z) in walk.noise.chunks_exact(2 * MODES).enumerate() {
-        let first = step * waypoints;
-        let mut now = [0.0; 2 * MODES];
-        now.copy_from_slice(z);
-        for mode in 0..MODES {
+    let dof = walker.ingredients.sight.dof();
+    let mut own = vec![0.0; MODES * dof];
+    for (step, z) in walk.noise.chunks_exact(MODES * dof).enumerate() {
+        let outputs = step * waypoints * dof..(step + 1) * waypoints * dof;
+        let (old, now) = (&moved.old[outputs.clone()], &moved.now[outputs]);
+        own.copy_from_slice(z);
+        for (mode, own) in own.chunks_exact_mut(dof).enumerate() {
             let size = sigma / (mode + 1) as f32 * shapes.squares[mode];
             for i in 0..waypoints {
-                let (was, is) = (old[first + i], scratch.output(first + i));
-                for axis in 0..OUTPUTS {
-                    now[2 * mode + axis] += (was[axis] - is[axis]) * shapes.values[mode][i] / size;
+                for axis in 0..dof {
+                    let at = i * dof + axis;
+                    own[axis] += (old[at] - now[at]) * shapes.values[mode][i] / size;
                 }
             }
         }
-        let exponent = z.iter().zip(&now).map(|(z, n)| 0.5 * (z * z - n * n)).sum::<f32>();
+        let exponent = z.iter().zip(&own).map(|(z, n)| 0.5 * (z * z - n * n)).sum::<f32>();
         let ratio = exponent.clamp(-20.0, 20.0).exp();
         let is_clipped = if advantage > 0.0 { ratio > 1.0 + clip } else { ratio < 1.0 - clip };
         let weight = if is_clipped { 0.0 } else { advantage * ratio };
         for i in 0..waypoints {
-            let mut slope = [0.0; OUTPUTS];
-            for mode in 0..MODES {
+            let first = d_output.len();
+            d_output.resize(first + dof, 0.0);
+            for (mode, own) in own.chunks_exact(dof).enumerate() {
                 let factor =
                     (mode + 1) as f32 / sigma * shapes.values[mode][i] / shapes.squares[mode];
-                slope[0] -= weight * factor * now[2 * mode];
-                slope[1] -= weight * factor * now[2 * mode + 1];
+                let slopes = d_output[first..].iter_mut().zip(own);
+                slopes.for_each(|(slope, own)| *slope -= weight * factor * own);
             }
-            d_output.push(slope);
         }
     }
 }
 
-/// The slopes of imitation with respect to the outputs that `scratch` holds, `[steps x N]`.
+/// The slopes of imitation with respect to the outputs that `scratch` holds, `[steps x N x dof]`.
 fn repair(
     walker: Walker<'_>,
     walk: &Walk,
@@ -159,37 +172,41 @@ fn repair(
     targets: &[Target],
     scratch: &WaypointScratch,
     loss_scratch: &mut LossScratch,
-    d_output: &mut Vec<[f32; OUTPUTS]>,
+    d_output: &mut Vec<f32>,
 ) {
     let (rule, dim) = (&walker.ingredients.rule, objective.dim());
-    let mut view = walk.view.clone();
+    let (waypoints, mut outputs) = (objective.waypoints(), Vec::new());
     let lesson = Lesson {
         objective,
         targets,
-        along: view.along(),
+        along: walk.view.along(),
         scale: rule.scale,
         hinge_weight: walker.ingredients.imitation.hinge_straight,
     };
+    // In the plane, as the configuration's check sees to: other views have a base at each step.
+    let mut view = walk.view.clone();
     for (step, before) in walk.places.chunks_exact(dim).enumerate() {
-        let outputs = |i: usize| scratch.output(step * dim / 2 + i);
+        scratch.outputs(step * waypoints..(step + 1) * waypoints, &mut outputs);
         let mut after = before.to_vec();
-        view.apply(rule, outputs, &mut after);
-        lesson.loss(before, &after, outputs, loss_scratch, d_output);
+        view.apply(objective, rule, &outputs, &mut after);
+        let made = Made { before, after: &after, outputs: &outputs, base: &[] };
+        lesson.loss(made, loss_scratch, d_output);
     }
-    d_output.iter_mut().flatten().for_each(|slope| *slope *= walker.settings.repair);
+    d_output.iter_mut().for_each(|slope| *slope *= walker.settings.repair);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::waypoint::config::{TaskConfig, WaypointConfig};
+    use crate::waypoint::sight::Sight;
     use crate::waypoint::stages::imitation::Ingredients;
     use sidestep::network::{WaypointNet, WaypointShape};
     use sidestep::plane::view::ViewParts;
     use sidestep::policy::ActionRule;
 
     /// The clipped loss of one walk, from densities, in f64.
-    fn loss(walker: Walker<'_>, walk: &Walk, old: &[[f32; 2]], now: &[[f32; 2]]) -> f64 {
+    fn loss(walker: Walker<'_>, walk: &Walk, old: &[f32], now: &[f32]) -> f64 {
         let (sigma, clip) = (f64::from(walker.sigma()), f64::from(walker.settings.clip));
         let shapes = Shapes::new(10);
         let Worth::Advantage(advantage) = walk.worth else { panic!("{:?}", walk.worth) };
@@ -202,7 +219,8 @@ mod tests {
                 for axis in 0..2 {
                     let moved: f64 = (0..10)
                         .map(|i| {
-                            let (was, is) = (old[10 * step + i][axis], now[10 * step + i][axis]);
+                            let at = 2 * (10 * step + i) + axis;
+                            let (was, is) = (old[at], now[at]);
                             f64::from(shapes.values[mode][i]) * (f64::from(was) - f64::from(is))
                         })
                         .sum();
@@ -221,14 +239,19 @@ mod tests {
     fn slopes_are_differences_of_the_clipped_loss() {
         let names = ["waypoints", "probes:4x1"].map(String::from);
         let view = ViewParts::from_names(&names).unwrap();
-        let shape =
-            WaypointShape { inputs: view.row_len(), width: 16, dilations: vec![1], map: None };
+        let shape = WaypointShape {
+            inputs: view.row_len(),
+            width: 16,
+            dilations: vec![1],
+            outputs: 2,
+            map: None,
+        };
         let count = shape.parameter_count().unwrap();
         let draw = |i: usize| 0.1 * (i as f32 * 0.7).sin();
         let mut net = WaypointNet::new(&shape, (0..count).map(draw).collect()).unwrap();
         let config = WaypointConfig::default();
         let ingredients = Ingredients {
-            view,
+            sight: Sight::Plane(view),
             rule: ActionRule { scale: 0.4, limit: 1.6, keep_inside: true },
             tasks: TaskConfig { other_waypoints: 0.0, ..config.tasks },
             imitation: config.imitation,
@@ -255,18 +278,20 @@ mod tests {
             net.forward(&mut scratch, 10);
             let Worth::Advantage(advantage) = walk.worth else { continue };
             found.clear();
-            slopes(walker, walk, advantage, &Shapes::new(10), old, &scratch, &mut found);
-            let now: Vec<_> = (0..rows).map(|row| scratch.output(row)).collect();
-            clipped += found.chunks(10).filter(|step| step.iter().all(|s| *s == [0.0; 2])).count();
+            let mut now = Vec::new();
+            scratch.outputs(0..rows, &mut now);
+            let moved = Moved { old, now: &now };
+            slopes(walker, walk, advantage, &Shapes::new(10), moved, &mut found);
+            clipped += found.chunks(20).filter(|step| step.iter().all(|s| *s == 0.0)).count();
             for row in (0..rows).step_by(7) {
                 let h = 1e-3;
                 let at = |change: f32| {
                     let mut now = now.clone();
-                    now[row][1] += change;
+                    now[2 * row + 1] += change;
                     loss(walker, walk, old, &now)
                 };
                 let slope = (at(h) - at(-h)) / f64::from(2.0 * h);
-                let got = f64::from(found[row][1]);
+                let got = f64::from(found[2 * row + 1]);
                 all += 1;
                 close += usize::from((slope - got).abs() <= 0.02 * (1.0 + slope.abs()));
             }

@@ -1,4 +1,4 @@
-//! On-policy imitation of exact paths (DAgger: Ross, Gordon and Bagnell 2011, arXiv:1011.0686),
+//! On-policy imitation of experts' routes (DAgger: Ross, Gordon and Bagnell 2011, arXiv:1011.0686),
 //! with a set of answers for each task and a hinge on what still collides ([`super::loss`]).
 //!
 //! The policy walks trajectories of random tasks; at each step the target is the expert's
@@ -11,16 +11,16 @@ use rand_chacha::ChaCha8Rng;
 use sidestep::network::{WaypointNet, WaypointScratch};
 use sidestep::objective::Objective;
 use sidestep::plan::starts::StartStrategy;
-use sidestep::plane::view::{ViewParts, WaypointView};
 use sidestep::policy::ActionRule;
 use sidestep::profile::Profile;
 use sidestep::rng::{Purpose, stream};
 use sidestep::trajectory::waypoints::bend;
 
-use super::loss::{Lesson, LossScratch};
-use crate::routes::{Target, sparingly_grown};
+use super::loss::{Lesson, LossScratch, Made};
+use crate::routes::Target;
 use crate::waypoint::config::{ImitationConfig, TaskConfig};
 use crate::waypoint::ready::Ready;
+use crate::waypoint::sight::{Sight, View};
 
 /// Tasks of an update that one thread takes together.
 pub(crate) const TASKS_PER_PART: usize = 4;
@@ -34,7 +34,7 @@ const MOST_FAILED: usize = 32;
 /// What the cases are made of, the same for all slots.
 #[derive(Debug, Clone)]
 pub(crate) struct Ingredients {
-    pub view: ViewParts,
+    pub sight: Sight,
     pub rule: ActionRule,
     pub tasks: TaskConfig,
     pub imitation: ImitationConfig,
@@ -54,7 +54,7 @@ const KINDS: [Kind; MEMBERS] = [Kind::Straight, Kind::Bent, Kind::Via, Kind::Via
 struct Member {
     kind: Kind,
     x: Vec<f32>,
-    view: WaypointView,
+    view: View,
     /// Whether it was free at any time of the task's life.
     solved: bool,
 }
@@ -79,7 +79,8 @@ pub(crate) struct Slot {
     loss_scratch: LossScratch,
     before: Vec<f32>,
     free: Vec<bool>,
-    d_output: Vec<[f32; 2]>,
+    outputs: Vec<f32>,
+    d_output: Vec<f32>,
 }
 
 /// What some tasks of an update add up to; parts are made in parallel and added up in order.
@@ -129,6 +130,7 @@ impl Slot {
             loss_scratch: LossScratch::default(),
             before: Vec::new(),
             free: vec![false; waypoints + 1],
+            outputs: Vec::new(),
             d_output: Vec::new(),
         }
     }
@@ -150,7 +152,7 @@ impl Slot {
     }
 
     fn step(&mut self, net: &WaypointNet, ingredients: &Ingredients, part: &mut Part) {
-        let Self { case, draws, scratch, loss_scratch, before, free, d_output } = self;
+        let Self { case, draws, scratch, loss_scratch, before, free, outputs, d_output } = self;
         let Part { gradient, sums } = part;
         let (waypoints, stride) = (draws.waypoints, net.input_stride());
         let input = scratch.input(MEMBERS * waypoints, stride);
@@ -171,10 +173,11 @@ impl Slot {
         net.forward(scratch, waypoints);
         d_output.clear();
         for (place, member) in case.members.iter_mut().enumerate() {
-            let outputs = |i: usize| scratch.output(place * waypoints + i);
-            member.view.apply(&ingredients.rule, outputs, &mut member.x);
+            let objective = &case.ready.objective;
+            scratch.outputs(place * waypoints..(place + 1) * waypoints, outputs);
+            member.view.apply(objective, &ingredients.rule, outputs, &mut member.x);
             let lesson = Lesson {
-                objective: &case.ready.objective,
+                objective,
                 targets: &case.targets,
                 along: member.view.along(),
                 scale: ingredients.rule.scale,
@@ -183,19 +186,21 @@ impl Slot {
                     _ => ingredients.imitation.hinge,
                 },
             };
-            let from = &before[place * 2 * waypoints..][..2 * waypoints];
-            sums.loss += lesson.loss(from, &member.x, outputs, loss_scratch, d_output);
+            let before = &before[place * member.x.len()..][..member.x.len()];
+            let base = member.view.base();
+            let made = Made { before, after: &member.x, outputs, base };
+            sums.loss += lesson.loss(made, loss_scratch, d_output);
             sums.steps += 1.0;
             if draws.rng.random::<f32>() < ingredients.imitation.kick_probability {
-                bend(2, &mut member.x, ingredients.imitation.kick, &mut draws.rng);
+                bend(objective.dof(), &mut member.x, ingredients.imitation.kick, &mut draws.rng);
             }
         }
         // Long trajectories would outweigh the others.
         let share = Profile::DEFAULT.waypoints as f32 / waypoints as f32;
-        d_output.iter_mut().flatten().for_each(|slope| *slope *= share);
+        d_output.iter_mut().for_each(|slope| *slope *= share);
         net.backward(d_output, scratch, gradient);
-        if let Some(map) = &mut case.ready.map {
-            map.collect_rows(before, scratch.input_slopes(), stride, ingredients.view.row_len());
+        if let Some(map) = case.ready.map() {
+            map.collect_rows(before, scratch.input_slopes(), stride, ingredients.sight.row_len());
         }
         case.left -= 1;
         if case.left == 0 {
@@ -235,20 +240,21 @@ impl Draws {
             };
             // What a number stands for must not depend on when it is drawn.
             let mut own = stream(ingredients.seed, Purpose::Imitation, number, 1 << 40);
-            let task = ingredients.tasks.draw(number, &mut own);
+            let Some(task) = ingredients.tasks.draw(&ingredients.sight, number, &mut own) else {
+                continue;
+            };
             let query = Ready::query(&task);
             let is_direct = query.scene().motion_is_free(query.start(), query.goal());
             if is_direct && own.random::<f32>() >= ingredients.tasks.direct {
                 continue;
             }
             let Ok(objective) = Objective::new(&query, self.waypoints) else { continue };
-            let Ok(plane) = task.plane() else { continue };
-            let targets = sparingly_grown::targets(plane, &objective, &mut own);
+            let Some(mut ready) = Ready::new(&ingredients.sight, objective) else { continue };
+            let targets = ready.targets(&task, &mut own);
             if targets.is_empty() {
                 continue;
             }
-            let Some(mut ready) = Ready::new(&ingredients.view, objective) else { continue };
-            let Some(view) = ready.view(&ingredients.view) else { continue };
+            let Some(view) = ready.view(&ingredients.sight) else { continue };
             let members = KINDS.map(|kind| {
                 let (x, view) = (vec![0.0; ready.objective.dim()], view.clone());
                 let mut member = Member { kind, x, view, solved: false };
@@ -273,7 +279,7 @@ fn begin(kind: Kind, objective: &Objective, rng: &mut ChaCha8Rng, member: &mut M
         Kind::Bent => {
             objective.straight_line(&mut member.x);
             let size = rng.random_range(0.2..1.5);
-            bend(2, &mut member.x, size, rng);
+            bend(objective.dof(), &mut member.x, size, rng);
         }
         Kind::Via => StartStrategy::ViaPoint.draw(objective, rng, &mut member.x),
     }

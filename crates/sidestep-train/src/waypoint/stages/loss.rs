@@ -8,7 +8,9 @@
 //! loss = sum over waypoints sqrt(|u - u*|^2 + 0.05) + w sum over points on x' of max(0, 0.6 - d)
 //! ```
 //!
-//! The hinge has no gradient deeper than 2 px, where d says little about the way out.
+//! The hinge has no gradient deeper than 2 px, where d says little about the way out. Robots with
+//! joints have a pixel of 0.1 rad and no hinge: the step that the output is added to leads out of
+//! obstacles as well as it would.
 
 use sidestep::objective::Objective;
 use sidestep::plane::Subject;
@@ -25,11 +27,21 @@ const HINGE_POINTS: usize = 7;
 pub(crate) struct Lesson<'a> {
     pub objective: &'a Objective,
     pub targets: &'a [Target],
-    /// Direction from start to goal.
-    pub along: [f32; 2],
+    /// Direction from start to goal, in the plane.
+    pub along: Option<[f32; 2]>,
     /// Normalised units per unit of output.
     pub scale: f32,
     pub hinge_weight: f32,
+}
+
+/// A step that a policy made; all `[N x dof]`, in normalised units but for the outputs.
+#[derive(Clone, Copy)]
+pub(crate) struct Made<'a> {
+    pub before: &'a [f32],
+    pub after: &'a [f32],
+    pub outputs: &'a [f32],
+    /// What was added to the outputs' part of the update; empty for nothing.
+    pub base: &'a [f32],
 }
 
 /// Buffers of the loss.
@@ -40,24 +52,54 @@ pub(crate) struct LossScratch {
 }
 
 impl Lesson<'_> {
-    /// The loss of one step from `before` to `after` (`[N x 2]`) by the network's `outputs`; its
-    /// gradient with respect to these is appended to `d_output`.
-    pub fn loss(
+    /// The loss of one step; its gradient with respect to the outputs is appended to `d_output`.
+    pub fn loss(&self, made: Made<'_>, scratch: &mut LossScratch, d_output: &mut Vec<f32>) -> f64 {
+        match self.along {
+            Some(along) => self.in_plane(along, made, scratch, d_output),
+            None => self.of_joints(made, d_output),
+        }
+    }
+
+    fn of_joints(&self, made: Made<'_>, d_output: &mut Vec<f32>) -> f64 {
+        let (dof, gain) = (self.objective.dof(), self.scale / PIXEL);
+        let first = d_output.len();
+        d_output.resize(first + made.outputs.len(), 0.0);
+        let Some(target) = nearest(dof, self.targets, made.before) else { return 0.0 };
+        let mut total = 0.0;
+        let mut error = vec![0.0; dof];
+        for i in 0..made.outputs.len() / dof {
+            let at = i * dof..(i + 1) * dof;
+            let [target, before] = [target, made.before].map(|x| &x[at.clone()]);
+            let wish = |k: usize| 0.5 * (target[k] - before[k]) / PIXEL;
+            let size = (0..dof).map(|k| wish(k) * wish(k)).sum::<f32>().sqrt();
+            let factor = if size > 8.0 { 8.0 / size } else { 1.0 };
+            for (k, error) in error.iter_mut().enumerate() {
+                let base = made.base.get(i * dof + k).map_or(0.0, |base| base / PIXEL);
+                *error = gain * made.outputs[i * dof + k] + base - factor * wish(k);
+            }
+            let root = (error.iter().map(|error| error * error).sum::<f32>() + 0.05).sqrt();
+            total += f64::from(root);
+            for (slope, error) in d_output[first..][at].iter_mut().zip(&error) {
+                *slope = gain * error / root;
+            }
+        }
+        total
+    }
+
+    fn in_plane(
         &self,
-        before: &[f32],
-        after: &[f32],
-        outputs: impl Fn(usize) -> [f32; 2],
+        [c, s]: [f32; 2],
+        made: Made<'_>,
         scratch: &mut LossScratch,
-        d_output: &mut Vec<[f32; 2]>,
+        d_output: &mut Vec<f32>,
     ) -> f64 {
-        let (from, to) = (before.as_chunks::<2>().0, after.as_chunks::<2>().0);
-        let target = nearest(self.targets, before).map(|target| target.as_chunks::<2>().0);
+        let (from, to) = (made.before.as_chunks::<2>().0, made.after.as_chunks::<2>().0);
+        let target = nearest(2, self.targets, made.before).map(|t| t.as_chunks::<2>().0);
         scratch.pull.clear();
         scratch.pull.resize(to.len(), [0.0; 2]);
         let mut total = self.hinge(to, scratch);
-        let [c, s] = self.along;
         for i in 0..from.len() {
-            let output = outputs(i);
+            let output = [made.outputs[2 * i], made.outputs[2 * i + 1]];
             // From normalised units to pixels per unit of output.
             let gain = self.scale / PIXEL;
             // The hinge's pull is in field axes, the output in frame axes.
@@ -76,7 +118,7 @@ impl Lesson<'_> {
                 slope[0] += gain * error[0] / root;
                 slope[1] += gain * error[1] / root;
             }
-            d_output.push(slope);
+            d_output.extend(slope);
         }
         total
     }
@@ -125,8 +167,11 @@ impl Lesson<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::routes::sparingly_grown;
+    use crate::routes::{jointed, sparingly_grown};
+    use crate::waypoint::config::jointed_task;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
     use sidestep::plane::view::{Look, ViewParts, WaypointView};
@@ -134,7 +179,44 @@ mod tests {
     use sidestep::profile::Profile;
     use sidestep::rng::standard_normal;
     use sidestep::scene::Query;
+    use sidestep::suite::arms::planar_arm_alone;
     use sidestep::suite::candidate;
+
+    #[test]
+    fn slopes_of_joints_are_differences_of_the_loss() {
+        let arm = Arc::new(planar_arm_alone(3).unwrap());
+        let mut found = 0;
+        for index in 0..12 {
+            let Some(task) = jointed_task(&arm, 1000, index) else { continue };
+            let objective = Objective::new(&Query::of(&task, &Profile::DEFAULT), 10).unwrap();
+            let mut rng = ChaCha8Rng::seed_from_u64(index);
+            let targets = jointed::targets(&objective, &mut rng);
+            assert!(targets.iter().all(|target| objective.is_certified(&target.waypoints)));
+            found += targets.len();
+            let mut before = vec![0.0; 30];
+            objective.straight_line(&mut before);
+            let outputs: Vec<f32> = (0..15).flat_map(|_| standard_normal(&mut rng)).collect();
+            let (objective, targets, base) = (&objective, &targets, &[0.1; 30]);
+            let lesson = Lesson { objective, targets, along: None, scale: 0.4, hinge_weight: 1.0 };
+            let value = |outputs: &[f32], slopes: &mut Vec<f32>| {
+                let made = Made { before: &before, after: &before, outputs, base };
+                lesson.loss(made, &mut LossScratch::default(), slopes)
+            };
+            let mut slopes = Vec::new();
+            value(&outputs, &mut slopes);
+            for at in 0..30 {
+                let at_change = |change: f32| {
+                    let mut moved = outputs.clone();
+                    moved[at] += change;
+                    value(&moved, &mut Vec::new())
+                };
+                let slope = (at_change(4e-3) - at_change(-4e-3)) / 8e-3;
+                let error = (slope - f64::from(slopes[at])).abs();
+                assert!(error <= 0.01 * (1.0 + slope.abs()), "{at}: {slope} {}", slopes[at]);
+            }
+        }
+        assert!(found > 12, "{found}");
+    }
 
     /// Slopes of the loss with respect to the outputs, one coordinate at a time, against
     /// differences of the loss.
@@ -151,33 +233,32 @@ mod tests {
             let targets = sparingly_grown::targets(plane, &objective, &mut rng);
             let mut before = vec![0.0; 20];
             objective.straight_line(&mut before);
-            let outputs: Vec<[f32; 2]> = (0..10).map(|_| standard_normal(&mut rng)).collect();
-            let value = |outputs: &[[f32; 2]], slopes: &mut Vec<[f32; 2]>| {
+            let outputs: Vec<f32> = (0..10).flat_map(|_| standard_normal(&mut rng)).collect();
+            let value = |outputs: &[f32], slopes: &mut Vec<f32>| {
                 let mut view =
                     WaypointView::new(&parts, objective.plane().unwrap(), Look::default());
                 let mut after = before.clone();
-                view.apply(&rule, |i| outputs[i], &mut after);
-                let along = view.along();
+                view.apply(&rule, |i| [outputs[2 * i], outputs[2 * i + 1]], &mut after);
+                let along = Some(view.along());
                 let (objective, targets) = (&objective, &targets);
                 let lesson =
                     Lesson { objective, targets, along, scale: rule.scale, hinge_weight: 1.0 };
-                lesson.loss(&before, &after, |i| outputs[i], &mut LossScratch::default(), slopes)
+                let made = Made { before: &before, after: &after, outputs, base: &[] };
+                lesson.loss(made, &mut LossScratch::default(), slopes)
             };
             let mut slopes = Vec::new();
             value(&outputs, &mut slopes);
-            for i in 0..10 {
-                for axis in 0..2 {
-                    let h = 2e-3;
-                    let mut moved = outputs.clone();
-                    moved[i][axis] += h;
-                    let above = value(&moved, &mut Vec::new());
-                    moved[i][axis] -= 2.0 * h;
-                    let below = value(&moved, &mut Vec::new());
-                    let slope = (above - below) / f64::from(2.0 * h);
-                    all += 1;
-                    let error = (slope - f64::from(slopes[i][axis])).abs();
-                    close += usize::from(error <= 0.02 * (1.0 + slope.abs()));
-                }
+            for at in 0..20 {
+                let h = 2e-3;
+                let mut moved = outputs.clone();
+                moved[at] += h;
+                let above = value(&moved, &mut Vec::new());
+                moved[at] -= 2.0 * h;
+                let below = value(&moved, &mut Vec::new());
+                let slope = (above - below) / f64::from(2.0 * h);
+                all += 1;
+                let error = (slope - f64::from(slopes[at])).abs();
+                close += usize::from(error <= 0.02 * (1.0 + slope.abs()));
             }
         }
         // Elsewhere lies a kink of the distance or an end of the hinge, or a waypoint at a wall.

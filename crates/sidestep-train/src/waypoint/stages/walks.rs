@@ -5,16 +5,17 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use sidestep::network::{WaypointNet, WaypointScratch};
 use sidestep::objective::Objective;
+use sidestep::plan::rrt_connect::shortcut;
 use sidestep::plan::starts::StartStrategy;
-use sidestep::plane::view::WaypointView;
 use sidestep::rng::{Purpose, stream};
 use sidestep::trajectory::waypoints::bend;
 
 use super::imitation::{Ingredients, Sums};
 use super::loss::PIXEL;
-use crate::routes::{Target, sparingly_grown};
+use crate::routes::Target;
 use crate::waypoint::config::PolicyGradientConfig;
-use crate::waypoint::ready::Ready;
+use crate::waypoint::ready::{Ready, reference_length};
+use crate::waypoint::sight::View;
 use sidestep::rng::standard_normal;
 
 /// Shapes of noise along the trajectory.
@@ -27,14 +28,14 @@ const REPAIRED: usize = 2;
 #[derive(Debug, Clone)]
 pub(crate) struct Walk {
     x: Vec<f32>,
-    pub view: WaypointView,
+    pub view: View,
     /// Steps until it was free.
     solved: Option<usize>,
     /// Rows that went into the network, step by step.
     pub seen: Vec<f32>,
-    /// Where the waypoints were then, `[steps x N x 2]`.
+    /// Where the waypoints were then, `[steps x N x dof]`.
     pub places: Vec<f32>,
-    /// Noise z, `[steps x MODES x 2]`.
+    /// Noise z, `[steps x MODES x dof]`.
     pub noise: Vec<f32>,
     /// What is learned from it.
     pub worth: Worth,
@@ -102,7 +103,7 @@ impl Walker<'_> {
     ) -> Option<Walked> {
         let Self { net, ingredients, settings } = *self;
         let mut rng = stream(ingredients.seed, Purpose::Environment, number, 0);
-        let task = ingredients.tasks.draw(number, &mut rng);
+        let task = ingredients.tasks.draw(&ingredients.sight, number, &mut rng)?;
         let query = Ready::query(&task);
         if query.scene().motion_is_free(query.start(), query.goal()) {
             return None;
@@ -110,8 +111,8 @@ impl Walker<'_> {
         let waypoints = ingredients.tasks.draw_waypoints(&mut rng);
         let objective = Objective::new(&query, waypoints).ok()?;
         let x = self.start(&objective, &mut rng);
-        let mut ready = Ready::new(&ingredients.view, objective)?;
-        let view = ready.view(&ingredients.view)?;
+        let mut ready = Ready::new(&ingredients.sight, objective)?;
+        let view = ready.view(&ingredients.sight)?;
         ready.begin_map(net);
         let keeps = rng.random::<f32>() < settings.solved;
         let policy = (net, &ingredients.rule);
@@ -122,8 +123,7 @@ impl Walker<'_> {
         if !keeps && solves(scratch) {
             return None;
         }
-        let route = query.scene().exact(query.start(), query.goal(), &|| true)?;
-        let shortest = route.length()?;
+        let shortest = reference_length(&query, &mut rng)?;
         let walk = Walk {
             x,
             view,
@@ -136,15 +136,15 @@ impl Walker<'_> {
         let mut walks = vec![walk; settings.walks];
         let shapes = Shapes::new(waypoints);
         self.go(&mut ready, &shapes, &mut walks, scratch, &mut rng);
-        let score = |walk: &Walk| match walk.solved {
+        let mut score = |walk: &Walk| match walk.solved {
             Some(t) => {
-                let length = ready.objective.trajectory(&walk.x).length();
+                let length = length(&ready.objective, &walk.x, settings.short_cuts, &mut rng);
                 let longer = ((length / shortest - 1.0) as f32).clamp(0.0, 1.0);
                 1.0 - settings.haste * t as f32 / settings.steps as f32 - settings.stretch * longer
             }
             None => 0.0,
         };
-        let returns: Vec<f32> = walks.iter().map(score).collect();
+        let returns: Vec<f32> = walks.iter().map(&mut score).collect();
         let count = returns.len() as f32;
         let mean = returns.iter().sum::<f32>() / count;
         let spread = (returns.iter().map(|r| (r - mean) * (r - mean)).sum::<f32>() / count).sqrt();
@@ -160,7 +160,7 @@ impl Walker<'_> {
         }
         let mut targets = Vec::new();
         if settings.repair > 0.0 && walks.iter().all(|walk| walk.solved.is_none()) {
-            targets = sparingly_grown::targets(task.plane().ok()?, &ready.objective, &mut rng);
+            targets = ready.targets(&task, &mut rng);
             if !targets.is_empty() {
                 walks.iter_mut().take(REPAIRED).for_each(|walk| walk.worth = Worth::Repair);
             }
@@ -176,7 +176,7 @@ impl Walker<'_> {
             if rng.random::<bool>() {
                 StartStrategy::ViaPoint.draw(objective, rng, &mut x);
             } else {
-                bend(2, &mut x, 1.0, rng);
+                bend(objective.dof(), &mut x, 1.0, rng);
             }
         }
         x
@@ -194,7 +194,7 @@ impl Walker<'_> {
         let Self { net, ingredients, settings } = *self;
         let (waypoints, stride) = (ready.objective.waypoints(), net.input_stride());
         let (dim, sigma) = (waypoints * stride, self.sigma());
-        let mut free = Vec::new();
+        let (dof, mut free, mut outputs) = (ready.objective.dof(), Vec::new(), Vec::new());
         for step in 0..=settings.steps {
             let mut active = Vec::with_capacity(walks.len());
             let input = scratch.input(walks.len() * waypoints, stride);
@@ -219,21 +219,31 @@ impl Walker<'_> {
             net.forward(scratch, waypoints);
             for (place, &index) in active.iter().enumerate() {
                 let walk = &mut walks[index];
-                let z: Vec<f32> = (0..MODES).flat_map(|_| standard_normal(rng)).collect();
-                let output = |i: usize| {
-                    let mut out = scratch.output(place * waypoints + i);
-                    for mode in 0..MODES {
+                let draws = (MODES * dof).div_ceil(2);
+                let mut z: Vec<f32> = (0..draws).flat_map(|_| standard_normal(rng)).collect();
+                z.truncate(MODES * dof);
+                scratch.outputs(place * waypoints..(place + 1) * waypoints, &mut outputs);
+                for (i, out) in outputs.chunks_exact_mut(dof).enumerate() {
+                    for (mode, z) in z.chunks_exact(dof).enumerate() {
                         let size = sigma / (mode + 1) as f32 * shapes.values[mode][i];
-                        out[0] += size * z[2 * mode];
-                        out[1] += size * z[2 * mode + 1];
+                        out.iter_mut().zip(z).for_each(|(out, z)| *out += size * z);
                     }
-                    out
-                };
-                walk.view.apply(&ingredients.rule, output, &mut walk.x);
+                }
+                walk.view.apply(&ready.objective, &ingredients.rule, &outputs, &mut walk.x);
                 walk.noise.extend(z);
             }
         }
     }
+}
+
+/// The length of a free trajectory, after so many random short cuts.
+fn length(objective: &Objective, x: &[f32], rounds: usize, rng: &mut ChaCha8Rng) -> f64 {
+    let mut path = objective.trajectory(x);
+    if rounds > 0 {
+        let is_free = |from: &[f64], to: &[f64]| objective.scene().motion_is_free(from, to);
+        shortcut(&mut path, is_free, rounds, rng);
+    }
+    path.length()
 }
 
 /// The noise modes over the waypoints; orthogonal where there are no fewer waypoints than modes.

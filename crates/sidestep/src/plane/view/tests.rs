@@ -332,6 +332,7 @@ fn gradients_flow_through_the_map() {
         inputs: parts.row_len(),
         width: 16,
         dilations: vec![1],
+        outputs: 2,
         map: parts.map.clone(),
     };
     let mut rng = crate::rng::stream(3, crate::rng::Purpose::Parameters, 0, 0);
@@ -361,7 +362,7 @@ fn gradients_flow_through_the_map() {
     net.begin_map(map.scratch());
     loss(&net, &mut map, &mut scratch);
     let mut gradient = vec![0.0; count];
-    net.backward(&[[1.0, -0.5]; 7], &mut scratch, &mut gradient);
+    net.backward([[1.0, -0.5]; 7].as_flattened(), &mut scratch, &mut gradient);
     map.collect_rows(&x, scratch.input_slopes(), stride, parts.row_len());
     net.map_backward(map.scratch(), &mut gradient);
     let (mut close, mut all, mut flows) = (0, 0, 0);
