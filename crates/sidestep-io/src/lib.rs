@@ -14,6 +14,7 @@ mod json;
 pub mod movingai;
 pub mod picture;
 pub mod plan_json;
+pub mod replay;
 pub mod robots;
 pub mod ros_map;
 pub mod scenes;

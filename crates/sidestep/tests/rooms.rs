@@ -28,7 +28,8 @@ const ROOMS: [&str; 15] = [
 const PLANAR: [&str; 3] = ["as_chunks::<2>", "as_chunks_mut::<2>", "geometry::"];
 
 /// The generator draws the paper's fields, and `PlaneTask` hands out what a task in the plane is made of.
-const MAY_SAY_IT: [&str; 3] = ["suite/mod.rs", "suite/queries.rs", "scene/task.rs"];
+const MAY_SAY_IT: [&str; 4] =
+    ["suite/mod.rs", "suite/pictured.rs", "suite/queries.rs", "scene/task.rs"];
 
 fn files(folder: &Path, out: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {

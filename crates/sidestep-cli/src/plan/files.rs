@@ -13,9 +13,10 @@ use crate::planning::policy_file;
 /// Fails if a file could not be written, would replace what is read or has a name of another
 /// format, or if a flag would do nothing.
 pub fn check(args: &PlanArgs, compared: &[String]) -> Result<(), Failure> {
-    if !args.compare.is_empty() && args.png.is_none() && args.svg.is_none() {
-        let need =
-            "draws planners beside the first, so it needs a picture: --png FILE or --svg FILE";
+    let pictures = [&args.png, &args.svg, &args.html];
+    if !args.compare.is_empty() && pictures.iter().all(|path| path.is_none()) {
+        let need = "draws planners beside the first, so it needs a picture: --png FILE, --svg FILE or \
+                    --html FILE";
         return Err(Failure::at("--compare", need));
     }
     let formats: [(_, _, &[&str]); 5] = [

@@ -30,12 +30,14 @@ mod controller;
 mod draw;
 mod files;
 mod page;
+mod replay;
 
 const EXAMPLES: &str = "\
 Examples:
   sidestep plan task.json --png picture.png
   sidestep plan map.yaml --start 1.5,1.5 --goal 18,11 --robot-radius 0.2 --margin 0.05
   sidestep plan task.json --planner gd --compare adam,sidestep-1 --trace --svg picture.svg
+  sidestep plan task.json --planner gd --compare adam,sidestep-1 --html replay.html
   sidestep plan task.json --budget-ms 20 --out plan.json
   sidestep plan --robot panda.urdf --scene shelf.yaml --start 0,-0.8,0,-2.4,0,1.6,0.8 --goal 1,0.2,0,-1.9,0,2,0.8
   sidestep plan problems.json --index 3 --html way.html --trajectory trajectory.yaml";
@@ -109,7 +111,8 @@ pub struct PlanArgs {
     /// How far before and after a corner of the plan --trajectory may leave it, in joint space; as far as that is proved free
     #[arg(long, default_value_t = 0.2, allow_negative_numbers = true, help_heading = "Output")]
     blend: f64,
-    /// Show a robot with joints on its way here: one HTML page in three dimensions, with sliders over time and iterations
+    /// Show the optimizers at work here: one HTML page with a slider over iterations, the planners of --compare side by side; of a
+    /// robot with joints its way in three dimensions
     #[arg(long, help_heading = "Output")]
     html: Option<PathBuf>,
     /// Draw the task and the plan here, as PNG
@@ -135,6 +138,10 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
     if let (Some(out), Err(_)) = (&args.out, task.plane()) {
         output::check_suffix(("--out", out), &["json", "csv"])?;
     }
+    if task.plane().is_err() && !args.compare.is_empty() && args.html.is_some() {
+        let need = "--html shows one planner of a robot with joints; compare with --png or --svg";
+        return Err(Failure::at("--compare", need));
+    }
     let planner = planner(&args.planner)?;
     let compared = planner_names(&args.compare);
     let others: Vec<Planner> = compared
@@ -144,16 +151,19 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
         .map_err(|error| Failure::at("--compare", error))?;
     files::check(args, &compared)?;
     let attempt = attempt(args, &task, &args.planner, &planner)?;
+    let others: Vec<Attempt> = std::iter::zip(&compared, &others)
+        .map(|(name, planner)| self::attempt(args, &task, name, planner))
+        .collect::<Result<_, Failure>>()?;
+    let attempts = std::iter::once(&attempt).chain(&others);
     if args.png.is_some() || args.svg.is_some() {
-        let others: Vec<Attempt> = std::iter::zip(&compared, &others)
-            .map(|(name, planner)| self::attempt(args, &task, name, planner))
-            .collect::<Result<_, Failure>>()?;
-        draw::pictures(args, &task, std::iter::once(&attempt).chain(&others))?;
+        draw::pictures(args, &task, attempts.clone())?;
     }
     let status = attempt.plan.status.clone();
     let trajectory = args.trajectory.as_ref().map(|path| controller::write(args, path, &attempt));
-    if let Some(path) = &args.html {
-        page::write(args, path, &task, &attempt)?;
+    match (&args.html, task.plane()) {
+        (Some(path), Ok(plane)) => replay::write(args, path, &task, plane, attempts)?,
+        (Some(path), Err(_)) => page::write(args, path, &task, &attempt)?,
+        (None, _) => {}
     }
     let mut answer = answer(args, &task, attempt);
     let told = warnings.len();

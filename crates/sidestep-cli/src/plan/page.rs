@@ -17,12 +17,7 @@ const MOMENTS: usize = 120;
 /// Writes the page: the optimizer's iterates, if there are any, and the plan, or the last attempt.
 pub fn write(args: &PlanArgs, path: &Path, task: &Task, attempt: &Attempt) -> Result<(), Failure> {
     let Attempt { planner, query, plan, trace, .. } = attempt;
-    let Some(scene) = query.scene().arm() else {
-        return Err(Failure::at(
-            "--html",
-            "only for a robot with joints; --svg draws in the plane",
-        ));
-    };
+    let Some(scene) = query.scene().arm() else { return Ok(()) };
     let mut tracks = Vec::new();
     let start = trace.first().map(|step| step.start);
     let first: Vec<_> = trace.iter().filter(|step| Some(step.start) == start).collect();

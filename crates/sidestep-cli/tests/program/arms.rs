@@ -104,8 +104,8 @@ fn a_page_shows_the_way_and_corners_are_cut() {
     assert!(page.len() < 500_000, "{} bytes", page.len());
     check(folder.path(), &line("--html way.txt"), 2, &["--html", ".html"]);
     check(folder.path(), &line("--trajectory a.csv --blend -1"), 2, &["--blend: -1"]);
-    fs::write(folder.path().join("task.json"), crate::task("")).unwrap();
-    check(folder.path(), "plan task.json --html a.html", 2, &["--html", "joints"]);
+    let compared = line("--scene post.json --compare chomp --html two.html");
+    check(folder.path(), &compared, 2, &["--compare", "--html", "joints", "--png"]);
 }
 
 #[test]

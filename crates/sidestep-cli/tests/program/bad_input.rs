@@ -123,7 +123,7 @@ fn flags() {
         ("plan free.json --threads 8000", &["--threads: 8000", "0 (all cores) to 512"]),
         ("plan free.json --threads -1", &["--threads", "-1"]),
         ("plan free.json --compare nope", &["nope", "one of auto"]),
-        ("plan free.json --compare gd", &["--compare", "--png FILE or --svg FILE"]),
+        ("plan free.json --compare gd", &["--compare", "--png FILE, --svg FILE or --html FILE"]),
         ("plan free.json --no-such-flag", &["--no-such-flag"]),
         ("plan free.json --planer gd", &["--planer", "'--planner'"]),
         ("plan", &["nothing to plan"]),

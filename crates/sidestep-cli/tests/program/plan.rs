@@ -166,3 +166,24 @@ fn a_plan_can_start_from_another() {
     check(folder.path(), line, 1, &["unsolved"]);
     check(folder.path(), &format!("{line} --warm-start shortest.json"), 0, &["solved"]);
 }
+
+#[test]
+fn a_replay_shows_planners_side_by_side() {
+    let folder = folder();
+    let path = folder.path().join("replay.html");
+    let line = "plan block.json --planner gd --compare adam,chomp,sidestep-1 --steps 40";
+    check(folder.path(), &format!("{line} --html replay.html"), 1, &["unsolved"]);
+    let page = std::fs::read_to_string(&path).unwrap();
+    assert!(page.len() < 300_000, "{} bytes", page.len());
+    for name in ["gd", "adam", "chomp", "sidestep-1"] {
+        assert!(page.contains(&format!("\"name\":\"{name}\"")), "{name}");
+    }
+    assert!(page.contains("\"label\":\"40\"") && page.contains("\"blocked\":{"));
+    assert!(!page.contains("http:") && !page.contains("https:"));
+    // A name that would end the element is data all the same.
+    let hostile = crate::task("").replace("\"test\"", "\"</script><script>alert(1)</script>\"");
+    std::fs::write(folder.path().join("hostile.json"), hostile).unwrap();
+    check(folder.path(), "plan hostile.json --html replay.html", 0, &[]);
+    let page = std::fs::read_to_string(&path).unwrap();
+    assert!(!page.contains("<script>alert") && page.contains("alert(1)"));
+}

@@ -48,6 +48,38 @@ pub fn palette(index: usize) -> Color {
     PALETTE[index % PALETTE.len()]
 }
 
+/// How a planner's lines are drawn, wherever they are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlannerStyle {
+    /// The line's colour, which shows on white and on black.
+    pub color: Color,
+    /// Lengths of dashes and gaps, in pixels; empty for a whole line.
+    pub dash: &'static [f64],
+}
+
+/// The style of the planner of that name; settings after a colon change nothing.
+pub fn planner_style(name: &str) -> PlannerStyle {
+    const WHOLE: &[f64] = &[];
+    const DASHED: &[f64] = &[8.0, 4.0];
+    const DOTTED: &[f64] = &[2.0, 4.0];
+    let (index, dash) = match name.split(':').next().unwrap_or(name) {
+        "sidestep-1" => (0, WHOLE),
+        "sidestep-1-small" => (0, DASHED),
+        "learned" => (0, DOTTED),
+        "gd" => (1, WHOLE),
+        "momentum" => (1, DASHED),
+        "stomp" => (1, DOTTED),
+        "auto" => (2, WHOLE),
+        "shortest-path" => (2, DASHED),
+        "rrt-connect" => (2, DOTTED),
+        "adam" => (4, WHOLE),
+        "chomp" => (3, WHOLE),
+        "lbfgs" => (3, DASHED),
+        _ => (5, WHOLE),
+    };
+    PlannerStyle { color: PALETTE[index], dash }
+}
+
 pub(super) const WHITE: Color = Color::hex(0xffffff);
 /// Titles and labels.
 pub(super) const TEXT: Color = Color::hex(0x1f2933);

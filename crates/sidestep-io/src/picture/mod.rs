@@ -37,7 +37,7 @@ mod svg;
 mod task_panel;
 
 pub use chart::{BandPoint, Bar, Chart};
-pub use color::{Color, palette};
+pub use color::{Color, PlannerStyle, palette, planner_style};
 pub use projection::View;
 pub use space_panel::SpacePanel;
 pub use task_panel::TaskPanel;

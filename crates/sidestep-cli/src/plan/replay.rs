@@ -1,0 +1,125 @@
+//! Optimizers at work in the plane, as a page.
+
+use std::path::Path;
+
+use sidestep::objective::Objective;
+use sidestep::plan::Plan;
+use sidestep::plane::shortest_path::{Route, ShortestPath};
+use sidestep::scene::Query;
+use sidestep::trajectory::{ObstacleId, Violation};
+use sidestep::{PlaneTask, Task, Trajectory};
+use sidestep_io::replay::{Frame, Replay, Run};
+
+use super::{Attempt, PlanArgs};
+use crate::failure::Failure;
+use crate::output;
+
+/// Writes the page: for each planner its iterates, and the plan, or the last attempt.
+pub fn write<'a>(
+    args: &PlanArgs,
+    path: &Path,
+    task: &Task,
+    plane: PlaneTask<'_>,
+    attempts: impl Iterator<Item = &'a Attempt> + Clone,
+) -> Result<(), Failure> {
+    let Some(scene) = attempts.clone().next().and_then(|attempt| attempt.query.scene().plane())
+    else {
+        return Ok(());
+    };
+    let (frame, field) = (scene.frame(), scene.field());
+    let route = ShortestPath::new(plane.world, plane.robot).find(plane.start, plane.goal);
+    let mut lines = vec![format!("robot of radius {}", plane.robot.radius())];
+    let shortest = match route {
+        Route::Found { trajectory, .. } => {
+            lines.push(format!("shortest path {:.3}, dotted", trajectory.length()));
+            Some(trajectory)
+        }
+        _ => None,
+    };
+    if args.margin > 0.0 {
+        lines.push(format!("margin {}", args.margin));
+    }
+    let replay = Replay {
+        title: if plane.name.is_empty() { "A task" } else { plane.name }.to_owned(),
+        lines,
+        task: plane,
+        epsilon: scene.epsilon() * frame.scale,
+        shortest,
+        runs: attempts.map(|attempt| run(args, task, attempt)).collect(),
+    };
+    let html = replay.to_html(|p| f64::from(field.at(frame.to_normalised(p)).0) * frame.scale);
+    output::write_file(path, html.as_bytes())
+}
+
+fn run(args: &PlanArgs, task: &Task, attempt: &Attempt) -> Run {
+    let Attempt { planner, query, plan, time, trace, .. } = attempt;
+    let several = trace.iter().any(|step| step.start > 0);
+    let mut frames: Vec<Frame> = trace
+        .iter()
+        .filter(|step| !step.waypoints.is_empty())
+        .map(|step| {
+            let trajectory = Trajectory::new(2, step.waypoints.concat());
+            let start = if several { format!("start {}, ", step.start + 1) } else { String::new() };
+            Frame {
+                label: format!("{start}{}", step.iteration),
+                costs: Some([step.objective, step.obstacle_cost].map(f64::from)),
+                clearance: query.scene().clearance(&trajectory),
+                free: step.certified,
+                trajectory,
+            }
+        })
+        .collect();
+    let shown = plan.trajectory();
+    if let Some(path) =
+        shown.filter(|path| frames.last().map(|frame| &frame.trajectory) != Some(path))
+    {
+        let label = if plan.is_solved() { "the plan" } else { "the last attempt" };
+        frames.push(Frame {
+            label: label.into(),
+            costs: costs(query, path),
+            clearance: query.scene().clearance(path),
+            free: plan.is_solved(),
+            trajectory: path.clone(),
+        });
+    }
+    let why = super::reason(args, task, query, plan);
+    let took = format!("{} iterations, {:.0} us", plan.steps, time.as_secs_f64() * 1e6);
+    let text = match plan.certified() {
+        Some(path) => format!(
+            "solved: length {:.3}, clearance {:.3}, sharpest corner {:.0} degrees; {took}",
+            path.length(),
+            query.scene().clearance(path),
+            path.sharpest_turn().to_degrees(),
+        ),
+        None => format!("{}: {why}; {took}", plan.status.name()),
+    };
+    Run { planner: planner.clone(), text, frames, blocked: blocked(query, plan) }
+}
+
+/// U of a trajectory that no optimizer made, with as many waypoints as it has.
+fn costs(query: &Query, path: &Trajectory) -> Option<[f64; 2]> {
+    let inner = path.values().get(2..path.values().len().checked_sub(2)?)?;
+    let mut objective = Objective::new(query, inner.len() / 2).ok()?;
+    let mut x = vec![0.0; inner.len()];
+    query.scene().to_normalised(inner, &mut x);
+    let cost = objective.cost(&x);
+    Some([cost.total, cost.obstacle].map(f64::from))
+}
+
+/// The segment of the last attempt that meets something, and the shape that it meets.
+fn blocked(query: &Query, plan: &Plan) -> Option<(usize, Option<usize>)> {
+    if plan.is_solved() {
+        return None;
+    }
+    match query.scene().check(plan.attempt.as_ref()?).err()? {
+        Violation::Collision { segment, obstacle } => {
+            let shape = match obstacle {
+                ObstacleId::Shape(index) => Some(index),
+                _ => None,
+            };
+            Some((segment, shape))
+        }
+        Violation::OutOfBounds { segment, .. } => Some((segment, None)),
+        _ => None,
+    }
+}
