@@ -62,8 +62,8 @@ fn a_task_shows_what_is_where() {
     assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
     let pixels = Pixels::of(&picture.to_png(2.0).unwrap());
     assert_eq!(pixels.width, 2 * 540);
-    // 5 units of the SVG to one of the task; a margin of 20; y upwards from 400 below the margin.
-    let at = |p: Point| pixels.at(20.0 + 5.0 * p[0], 420.0 - 5.0 * p[1]);
+    // 34 units for the axis; 4.66 of the SVG to one of the task; a margin of 20; y upwards.
+    let at = |p: Point| pixels.at(54.0 + 4.66 * p[0], 20.0 + 4.66 * (80.0 - p[1]));
     assert_eq!(pixels.at(3.0, 3.0), WHITE);
     assert_eq!(at([22.0, 10.0]), OBSTACLE);
     assert_eq!(at([60.0, 65.0]), OBSTACLE);

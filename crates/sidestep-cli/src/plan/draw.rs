@@ -1,9 +1,14 @@
 //! The pictures of `plan`: the task, the plan, the shortest path to compare, and the trace.
 
+use sidestep::plan::Plan;
+use sidestep::plane::geometry::{Point, lerp};
+use sidestep::plane::points;
 use sidestep::plane::shortest_path::{Route, ShortestPath};
+use sidestep::scene::Query;
 use sidestep::space::Vector;
+use sidestep::trajectory::{ObstacleId, Violation};
 use sidestep::{PlaneTask, Task, Trajectory};
-use sidestep_io::picture::{Color, Picture, SpacePanel, TaskPanel, View, palette};
+use sidestep_io::picture::{Color, Picture, SpacePanel, TaskPanel, View, palette, planner_style};
 use sidestep_io::plan_json::TraceStep;
 
 use super::{Attempt, PlanArgs};
@@ -13,11 +18,12 @@ use crate::robots::draw::spheres;
 
 /// Iterates drawn of a trace; more would only paint over each other.
 const MOST_ITERATES: usize = 40;
-/// Colours of a moving trajectory that ends certified, and of one that does not.
-const SOLVED: Color = Color::hex(0x0072b2);
-const UNSOLVED: Color = Color::hex(0xd55e00);
+/// The planner whose path stands beside the others'.
+const EXACT: &str = "shortest-path";
 /// Pixels per unit of a picture.
 const PNG_SCALE: f64 = 2.0;
+/// The same of a picture that moves, for slides and pages.
+const MOVING_SCALE: f64 = 1.25;
 
 /// Draws what the arguments ask for, a panel for each attempt.
 pub fn pictures<'a>(
@@ -32,7 +38,7 @@ pub fn pictures<'a>(
     let shortest = ShortestPath::new(task.world, task.robot).find(task.start, task.goal);
     let frames = attempts.clone().map(|attempt| iterates(attempt).len()).max().unwrap_or(0);
     let frames = args.animate.then_some(frames);
-    let panels = attempts.map(|attempt| panel(task, attempt, &shortest, frames));
+    let panels = attempts.map(|attempt| panel(args, task, attempt, &shortest, frames));
     let picture = panels.fold(Picture::new(), |picture, panel| picture.panel(panel));
     write(args, &picture)
 }
@@ -84,7 +90,11 @@ fn write(args: &PlanArgs, picture: &Picture) -> Result<(), Failure> {
         output::write_file(path, picture.to_svg().as_bytes())?;
     }
     if let Some(path) = &args.png {
-        let png = picture.to_png(PNG_SCALE).map_err(|error| Failure::file(path, error))?;
+        let png = match args.animate {
+            true => picture.to_moving_png(MOVING_SCALE),
+            false => picture.to_png(PNG_SCALE),
+        };
+        let png = png.map_err(|error| Failure::file(path, error))?;
         output::write_file(path, &png)?;
     }
     Ok(())
@@ -101,6 +111,7 @@ fn iterates(attempt: &Attempt) -> Vec<Trajectory> {
 /// One attempt; `frames` is the number of iterates that a moving picture shows of each, the last one for
 /// as long as others go on.
 fn panel(
+    args: &PlanArgs,
     task: PlaneTask<'_>,
     attempt: &Attempt,
     shortest: &Route,
@@ -111,27 +122,105 @@ fn panel(
     let name = planner.trim_end_matches(".safetensors").rsplit('/').next().unwrap_or(planner);
     let name =
         if planner.starts_with("learned:") { format!("learned: {name}") } else { planner.clone() };
-    let mut panel = TaskPanel::new(task).title(format!("{name}: {}", plan.status.name()));
+    let style = planner_style(planner);
+    let title = format!("{name}: {}", plan.status.name());
+    let mut panel = TaskPanel::new(task).title(title).note(note(query, plan)).margin(args.margin);
+    // Of what a task may be read from, only ROS maps say what their numbers are.
+    let suffix = args.input.as_ref().and_then(|path| path.extension());
+    if suffix.is_some_and(|suffix| suffix == "yaml" || suffix == "yml") {
+        panel = panel.unit("m");
+    }
     if let Some(scene) = query.scene().plane() {
         let (frame, field) = (scene.frame(), scene.field());
         panel = panel.shade(|p| f64::from(field.at(frame.to_normalised(p)).0).min(1.0));
     }
+    if let (Route::Found { trajectory, .. }, false) = (shortest, planner == EXACT) {
+        panel = panel.path_in("shortest path", trajectory, planner_style(EXACT));
+    }
     let mut iterates = iterates(attempt);
     if let (Some(frames), Some(last)) = (frames, iterates.last().cloned()) {
         iterates.resize(frames, last);
-        let color = if plan.is_solved() { SOLVED } else { UNSOLVED };
-        return panel.motion_in(name, &iterates, color);
+        return panel.motion_in(name, &iterates, style);
     }
     if !iterates.is_empty() {
-        panel = panel.trace("iterates", &iterates);
+        panel = panel.trace_in("iterates", &iterates, style.color);
     }
     if let Some(path) = plan.certified() {
-        panel = panel.path(name, path);
+        panel = panel.path_in(name, path, style);
     } else if let Some(path) = &plan.attempt {
-        panel = panel.dashed_path(format!("{name} (not certified)"), path);
-    }
-    if let Route::Found { trajectory, .. } = shortest {
-        panel = panel.dashed_path("shortest path", trajectory);
+        panel = panel.path_in(format!("{name} (not certified)"), path, style);
+        if let Some(Blocked { segment, place, obstacle }) = blocked(query, plan) {
+            let ends = points(path).windows(2).nth(segment).and_then(|ends| ends.try_into().ok());
+            let ends: Option<[Point; 2]> = ends;
+            panel = ends.into_iter().fold(panel, |p, ends| p.blocked(ends, place, obstacle));
+        }
     }
     panel
+}
+
+/// What came out, for the line under the title.
+fn note(query: &Query, plan: &Plan) -> String {
+    let mut parts = Vec::new();
+    if let Some(path) = plan.trajectory() {
+        parts.push(format!("length {:.3}", path.length()));
+        let clearance = query.scene().clearance(path);
+        if plan.is_solved() {
+            parts.push(format!("clearance {clearance:.3}"));
+        }
+    }
+    if plan.steps > 0 {
+        parts.push(format!("{} step{}", plan.steps, if plan.steps == 1 { "" } else { "s" }));
+    }
+    parts.join(", ")
+}
+
+/// Where an attempt meets something.
+pub(super) struct Blocked {
+    pub(super) segment: usize,
+    /// The deepest place on it.
+    pub(super) place: Point,
+    /// The shape that it meets there.
+    pub(super) obstacle: Option<usize>,
+}
+
+/// Where the last attempt is blocked; `None` for a plan, and where the scene does not tell.
+pub(super) fn blocked(query: &Query, plan: &Plan) -> Option<Blocked> {
+    if plan.is_solved() {
+        return None;
+    }
+    let path = plan.attempt.as_ref()?;
+    let (segment, obstacle) = match query.scene().check(path).err()? {
+        Violation::Collision { segment, obstacle: ObstacleId::Shape(index) } => {
+            (segment, Some(index))
+        }
+        Violation::Collision { segment, .. } | Violation::OutOfBounds { segment, .. } => {
+            (segment, None)
+        }
+        _ => return None,
+    };
+    let ends = points(path).get(segment..segment + 2)?;
+    let shape = obstacle.and_then(|i| query.scene().plane()?.world().obstacles().get(i));
+    let place = match shape {
+        Some(shape) => deepest_along(ends, |p| shape.signed_distance(p))?.1,
+        None => deepest(query, ends)?.1,
+    };
+    Some(Blocked { segment, place, obstacle })
+}
+
+/// The least distance of the robot to obstacles and bounds along some points in the plane, by samples,
+/// and where: negative inside an obstacle.
+pub(super) fn deepest(query: &Query, points: &[Point]) -> Option<(f64, Point)> {
+    let scene = query.scene().plane()?;
+    let (frame, field) = (scene.frame(), scene.field());
+    deepest_along(points, |p| f64::from(field.at(frame.to_normalised(p)).0) * frame.scale)
+}
+
+fn deepest_along(points: &[Point], distance: impl Fn(Point) -> f64) -> Option<(f64, Point)> {
+    const SAMPLES: u32 = 32;
+    let along = |ends: &[Point]| {
+        let (from, to) = (ends[0], ends[1]);
+        (0..=SAMPLES).map(move |i| lerp(from, to, f64::from(i) / f64::from(SAMPLES)))
+    };
+    let places = points.windows(2).flat_map(along).map(|place| (distance(place), place));
+    places.min_by(|a, b| a.0.total_cmp(&b.0))
 }

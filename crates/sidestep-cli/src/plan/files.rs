@@ -19,6 +19,9 @@ pub fn check(args: &PlanArgs, compared: &[String]) -> Result<(), Failure> {
                     --html FILE";
         return Err(Failure::at("--compare", need));
     }
+    if args.animate && args.png.is_none() && args.svg.is_none() {
+        return Err(Failure::at("--animate", "moves a picture: give --png FILE or --svg FILE"));
+    }
     let formats: [(_, _, &[&str]); 5] = [
         ("--out", &args.out, &FORMATS),
         ("--trajectory", &args.trajectory, &["yaml", "yml", "json", "csv"]),

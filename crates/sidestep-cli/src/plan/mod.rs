@@ -124,8 +124,8 @@ pub struct PlanArgs {
     /// Keep every iterate, in the JSON result and in pictures
     #[arg(long, help_heading = "Output")]
     trace: bool,
-    /// Show the iterates one after the other, over and over: a picture that moves, for --svg
-    #[arg(long, requires = "svg", help_heading = "Output")]
+    /// Show the iterates one after the other, over and over: pictures that move, as --svg and as an animated --png
+    #[arg(long, help_heading = "Output")]
     animate: bool,
 }
 

@@ -3,14 +3,13 @@
 use std::path::Path;
 
 use sidestep::objective::Objective;
-use sidestep::plan::Plan;
+use sidestep::plane::points;
 use sidestep::plane::shortest_path::{Route, ShortestPath};
 use sidestep::scene::Query;
-use sidestep::trajectory::{ObstacleId, Violation};
 use sidestep::{PlaneTask, Task, Trajectory};
-use sidestep_io::replay::{Frame, Replay, Run};
+use sidestep_io::replay::{Block, Frame, Replay, Run};
 
-use super::{Attempt, PlanArgs};
+use super::{Attempt, PlanArgs, draw};
 use crate::failure::Failure;
 use crate::output;
 
@@ -63,7 +62,7 @@ fn run(args: &PlanArgs, task: &Task, attempt: &Attempt) -> Run {
             Frame {
                 label: format!("{start}{}", step.iteration),
                 costs: Some([step.objective, step.obstacle_cost].map(f64::from)),
-                clearance: query.scene().clearance(&trajectory),
+                clearance: clearance(query, &trajectory),
                 free: step.certified,
                 trajectory,
             }
@@ -77,7 +76,7 @@ fn run(args: &PlanArgs, task: &Task, attempt: &Attempt) -> Run {
         frames.push(Frame {
             label: label.into(),
             costs: costs(query, path),
-            clearance: query.scene().clearance(path),
+            clearance: clearance(query, path),
             free: plan.is_solved(),
             trajectory: path.clone(),
         });
@@ -93,7 +92,7 @@ fn run(args: &PlanArgs, task: &Task, attempt: &Attempt) -> Run {
         ),
         None => format!("{}: {why}; {took}", plan.status.name()),
     };
-    Run { planner: planner.clone(), text, frames, blocked: blocked(query, plan) }
+    Run { planner: planner.clone(), text, frames, blocked: draw::blocked(query, plan).map(block) }
 }
 
 /// U of a trajectory that no optimizer made, with as many waypoints as it has.
@@ -106,20 +105,16 @@ fn costs(query: &Query, path: &Trajectory) -> Option<[f64; 2]> {
     Some([cost.total, cost.obstacle].map(f64::from))
 }
 
-/// The segment of the last attempt that meets something, and the shape that it meets.
-fn blocked(query: &Query, plan: &Plan) -> Option<(usize, Option<usize>)> {
-    if plan.is_solved() {
-        return None;
-    }
-    match query.scene().check(plan.attempt.as_ref()?).err()? {
-        Violation::Collision { segment, obstacle } => {
-            let shape = match obstacle {
-                ObstacleId::Shape(index) => Some(index),
-                _ => None,
-            };
-            Some((segment, shape))
-        }
-        Violation::OutOfBounds { segment, .. } => Some((segment, None)),
-        _ => None,
+fn block(at: draw::Blocked) -> Block {
+    Block { segment: at.segment, place: at.place, obstacle: at.obstacle }
+}
+
+/// The clearance of a trajectory, or by how much it is too small: how deep the robot is in an obstacle.
+fn clearance(query: &Query, path: &Trajectory) -> f64 {
+    let clearance = query.scene().clearance(path);
+    let radius = query.scene().plane().map_or(0.0, |scene| scene.robot().radius());
+    match draw::deepest(query, points(path)) {
+        Some((distance, _)) if clearance <= 0.0 => (distance - radius).min(0.0),
+        _ => clearance,
     }
 }

@@ -187,3 +187,16 @@ fn a_replay_shows_planners_side_by_side() {
     let page = std::fs::read_to_string(&path).unwrap();
     assert!(!page.contains("<script>alert") && page.contains("alert(1)"));
 }
+
+#[test]
+fn pictures_move() {
+    let folder = folder();
+    let line = "plan block.json --planner gd --compare adam --steps 20 --animate";
+    check(folder.path(), &format!("{line} --png moving.png --svg moving.svg"), 1, &["unsolved"]);
+    let png = std::fs::read(folder.path().join("moving.png")).unwrap();
+    let control = png.windows(4).position(|name| name == b"acTL").unwrap();
+    assert_eq!(png[control + 4..control + 8], 21_u32.to_be_bytes(), "the start and 20 iterates");
+    let svg = std::fs::read_to_string(folder.path().join("moving.svg")).unwrap();
+    assert!(svg.contains("<animate "));
+    check(folder.path(), "plan block.json --animate", 2, &["--animate", "--png FILE or --svg"]);
+}

@@ -2,7 +2,7 @@
 //!
 //! One list of shapes becomes SVG (`svg.rs`) and PNG (`raster.rs`), so the two show the same.
 
-use super::color::Color;
+use super::color::{Color, LineStyle};
 use super::font::Weight;
 
 /// A position in pixels, y downwards.
@@ -46,8 +46,8 @@ impl Stroke {
         Self { color, width, dash: None }
     }
 
-    pub(super) fn dashed(self) -> Self {
-        Self { dash: Some([3.0 * self.width, 2.2 * self.width]), ..self }
+    pub(super) fn styled(style: LineStyle, width: f64) -> Self {
+        Self { color: style.color, width, dash: style.dash }
     }
 }
 

@@ -4,10 +4,13 @@ use sidestep::plane::geometry::Point;
 
 use super::axis::{Axis, Scale};
 use super::canvas::{Anchor, Canvas, Frame, Shape, Stroke, Text};
-use super::color::{AXIS, Color, GRID_LINE, QUIET, TEXT, palette};
+use super::color::{AXIS, Color, GRID_LINE, LineStyle, QUIET, TEXT, palette};
 use super::font::{self, Weight};
 use super::legend::{self, Entry, Mark};
 use super::plot::Plot;
+
+/// Dash and gap of a level's line.
+const LEVEL_DASH: Option<[f64; 2]> = Some([4.5, 3.3]);
 
 /// A point of a curve with the spread around it; the band is left out where `low` and `high` are `mean`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -147,8 +150,8 @@ impl Chart {
         let entry = |series: &Series| {
             let color = series.color;
             let mark = match series.marks {
-                Marks::Curve(_) => Mark::Line { color, dashed: false },
-                Marks::Level(_) => Mark::Line { color, dashed: true },
+                Marks::Curve(_) => Mark::Line(color.into()),
+                Marks::Level(_) => Mark::Line(LineStyle { color, dash: LEVEL_DASH }),
                 Marks::Points(_) => Mark::Dot { color },
                 Marks::Bars(_) => Mark::Box { color },
             };
@@ -280,7 +283,8 @@ impl Chart {
                     if let Some(fraction) = plot.y.fraction(*y) {
                         let y = plot.frame.bottom() - fraction * plot.frame.height;
                         let ends = vec![[plot.frame.x, y], [plot.frame.right(), y]];
-                        canvas.line(ends, Stroke::new(series.color, 1.5).dashed());
+                        let style = LineStyle { color: series.color, dash: LEVEL_DASH };
+                        canvas.line(ends, Stroke::styled(style, 1.5));
                     }
                 }
             }

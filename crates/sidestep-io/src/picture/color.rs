@@ -48,36 +48,43 @@ pub fn palette(index: usize) -> Color {
     PALETTE[index % PALETTE.len()]
 }
 
-/// How a planner's lines are drawn, wherever they are.
+/// How a line is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlannerStyle {
-    /// The line's colour, which shows on white and on black.
+pub struct LineStyle {
+    /// The line's colour.
     pub color: Color,
-    /// Lengths of dashes and gaps, in pixels; empty for a whole line.
-    pub dash: &'static [f64],
+    /// Lengths of dash and gap, in pixels; `None` for a whole line.
+    pub dash: Option<[f64; 2]>,
 }
 
-/// The style of the planner of that name; settings after a colon change nothing.
-pub fn planner_style(name: &str) -> PlannerStyle {
-    const WHOLE: &[f64] = &[];
-    const DASHED: &[f64] = &[8.0, 4.0];
-    const DOTTED: &[f64] = &[2.0, 4.0];
-    let (index, dash) = match name.split(':').next().unwrap_or(name) {
-        "sidestep-1" => (0, WHOLE),
-        "sidestep-1-small" => (0, DASHED),
-        "learned" => (0, DOTTED),
-        "gd" => (1, WHOLE),
-        "momentum" => (1, DASHED),
-        "stomp" => (1, DOTTED),
-        "auto" => (2, WHOLE),
-        "shortest-path" => (2, DASHED),
-        "rrt-connect" => (2, DOTTED),
-        "adam" => (4, WHOLE),
-        "chomp" => (3, WHOLE),
-        "lbfgs" => (3, DASHED),
-        _ => (5, WHOLE),
+impl From<Color> for LineStyle {
+    fn from(color: Color) -> Self {
+        Self { color, dash: None }
+    }
+}
+
+/// The style of the planner of that name, wherever it is drawn: a colour that shows on white and on
+/// black, and a dash. Settings after a colon change nothing.
+pub fn planner_style(name: &str) -> LineStyle {
+    const DASHED: Option<[f64; 2]> = Some([8.0, 4.5]);
+    const DOTTED: Option<[f64; 2]> = Some([2.0, 4.5]);
+    const GREY: Color = Color::hex(0x737373);
+    let (color, dash) = match name.split(':').next().unwrap_or(name) {
+        "sidestep-1" => (PALETTE[0], None),
+        "sidestep-1-small" => (PALETTE[0], DASHED),
+        "learned" => (PALETTE[0], DOTTED),
+        "gd" => (PALETTE[1], None),
+        "momentum" => (PALETTE[1], DASHED),
+        "stomp" => (PALETTE[1], DOTTED),
+        "auto" => (PALETTE[2], None),
+        "shortest-path" => (GREY, DASHED),
+        "rrt-connect" => (PALETTE[2], DOTTED),
+        "adam" => (PALETTE[4], None),
+        "chomp" => (PALETTE[3], None),
+        "lbfgs" => (PALETTE[3], DASHED),
+        _ => (PALETTE[5], None),
     };
-    PlannerStyle { color: PALETTE[index], dash }
+    LineStyle { color, dash }
 }
 
 pub(super) const WHITE: Color = Color::hex(0xffffff);

@@ -1,14 +1,14 @@
 //! A legend: marks with labels in centred rows, as many to a row as fit.
 
 use super::canvas::{Anchor, Canvas, Frame, Pixel, Shape, Stroke};
-use super::color::{AXIS, Color, TEXT, WHITE};
+use super::color::{AXIS, Color, LineStyle, TEXT, WHITE};
 use super::font::{self, Weight};
 
 /// What stands before a label.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Mark {
-    /// A line, dashed or not.
-    Line { color: Color, dashed: bool },
+    /// A line, as it is drawn.
+    Line(LineStyle),
     /// Several lines from faint to full.
     Fan { color: Color },
     /// A filled box.
@@ -19,6 +19,8 @@ pub(super) enum Mark {
     Start,
     /// The goal's diamond.
     Goal,
+    /// The cross where a way is blocked.
+    Blocked,
 }
 
 /// A mark with its label.
@@ -89,10 +91,7 @@ fn draw_mark(canvas: &mut Canvas, mark: Mark, at: Pixel) {
     let centre = [x + MARK_WIDTH / 2.0, y];
     let across = |dy: f64| vec![[x + 1.5, y + dy], [x + MARK_WIDTH - 1.5, y + dy]];
     match mark {
-        Mark::Line { color, dashed } => {
-            let stroke = Stroke::new(color, 2.5);
-            canvas.line(across(0.0), if dashed { stroke.dashed() } else { stroke });
-        }
+        Mark::Line(style) => canvas.line(across(0.0), Stroke::styled(style, 2.5)),
         Mark::Fan { color } => {
             for (dy, opacity) in [(-4.5, 0.2), (0.0, 0.45), (4.5, 1.0)] {
                 canvas.line(across(dy), Stroke::new(color.with_opacity(opacity), 1.5));
@@ -106,6 +105,7 @@ fn draw_mark(canvas: &mut Canvas, mark: Mark, at: Pixel) {
         Mark::Dot { color } => dot(canvas, centre, 4.0, color),
         Mark::Start => draw_start(canvas, centre),
         Mark::Goal => draw_goal(canvas, centre),
+        Mark::Blocked => draw_cross(canvas, centre),
     }
 }
 
@@ -127,5 +127,18 @@ pub(super) fn draw_goal(canvas: &mut Canvas, [x, y]: Pixel) {
     for (radius, color) in [(9.0, WHITE), (7.4, TEXT)] {
         let corners = vec![[x, y - radius], [x + radius, y], [x, y + radius], [x - radius, y]];
         canvas.area(corners, color);
+    }
+}
+
+/// Where a way is blocked: a dark cross with a white rim.
+pub(super) fn draw_cross(canvas: &mut Canvas, [x, y]: Pixel) {
+    const REACH: f64 = 6.0;
+    for (width, color) in [(5.5, WHITE), (3.0, TEXT)] {
+        for side in [-REACH, REACH] {
+            canvas.line(
+                vec![[x - REACH, y - side], [x + REACH, y + side]],
+                Stroke::new(color, width),
+            );
+        }
     }
 }

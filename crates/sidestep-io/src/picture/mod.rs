@@ -27,6 +27,8 @@ mod clip;
 mod color;
 mod font;
 mod legend;
+mod map_axes;
+mod moving;
 mod outline;
 mod plot;
 mod projection;
@@ -37,7 +39,7 @@ mod svg;
 mod task_panel;
 
 pub use chart::{BandPoint, Bar, Chart};
-pub use color::{Color, PlannerStyle, palette, planner_style};
+pub use color::{Color, LineStyle, palette, planner_style};
 pub use projection::View;
 pub use space_panel::SpacePanel;
 pub use task_panel::TaskPanel;
@@ -54,6 +56,8 @@ const TITLE_SIZE: f64 = 18.0;
 const TITLE_HEIGHT: f64 = 36.0;
 const PANEL_TITLE_SIZE: f64 = 13.5;
 const PANEL_TITLE_HEIGHT: f64 = 26.0;
+const NOTE_SIZE: f64 = 11.0;
+const NOTE_HEIGHT: f64 = 16.0;
 const LEGEND_GAP: f64 = 10.0;
 
 /// One part of a picture.
@@ -94,6 +98,14 @@ impl Panel {
         }
     }
 
+    /// What stands under the title.
+    fn note(&self) -> &str {
+        match self {
+            Self::Task(panel) => &panel.note,
+            Self::Chart(_) | Self::Space(_) => "",
+        }
+    }
+
     fn legend(&self) -> Vec<Entry> {
         match self {
             Self::Task(panel) => panel.legend(),
@@ -105,21 +117,16 @@ impl Panel {
     /// Height of the panel's body in a column of `width`.
     fn height(&self, width: f64) -> f64 {
         match self {
-            Self::Task(panel) => width * panel.aspect().clamp(0.2, 1.4),
+            Self::Task(panel) => panel.height(width),
             Self::Chart(_) => 0.66 * width,
             Self::Space(panel) => width * panel.aspect(),
         }
     }
 
-    /// Draws the body; a world that does not fill the frame stands at its top, in the middle.
+    /// Draws the body.
     fn draw(&self, canvas: &mut Canvas, frame: Frame) {
         match self {
-            Self::Task(panel) => {
-                let width = frame.width.min(frame.height / panel.aspect());
-                let height = width * panel.aspect();
-                let x = frame.x + (frame.width - width) / 2.0;
-                panel.draw(canvas, Frame { x, y: frame.y, width, height });
-            }
+            Self::Task(panel) => panel.draw(canvas, frame),
             Self::Chart(chart) => chart.draw(canvas, frame),
             Self::Space(panel) => panel.draw(canvas, frame),
         }
@@ -153,7 +160,7 @@ impl Picture {
         self
     }
 
-    /// The number of panels in a row, at least 1; without this, up to three.
+    /// The number of panels in a row, at least 1; without this, up to three, and two of four.
     pub fn columns(mut self, columns: usize) -> Self {
         self.columns = Some(columns.max(1));
         self
@@ -179,8 +186,18 @@ impl Picture {
         raster::write(&self.layout(), scale)
     }
 
+    /// The picture as a PNG that moves (APNG), where [`TaskPanel::motion_in`] has something to move; at
+    /// `scale` pixels to a unit of the SVG.
+    ///
+    /// # Errors
+    /// As [`Picture::to_png`].
+    pub fn to_moving_png(&self, scale: f64) -> Result<Vec<u8>, FormatError> {
+        raster::write_moving(&self.layout(), scale)
+    }
+
     fn layout(&self) -> Canvas {
-        let columns = self.columns.unwrap_or(3).min(self.panels.len()).max(1);
+        let columns = self.columns.unwrap_or(if self.panels.len() == 4 { 2 } else { 3 });
+        let columns = columns.min(self.panels.len()).max(1);
         let panel_width = self.panel_width.unwrap_or(match columns {
             1 => 640.0,
             2 => 420.0,
@@ -190,19 +207,25 @@ impl Picture {
         let mut canvas = Canvas { width: inner_width + 2.0 * MARGIN, ..Canvas::default() };
         let mut y = MARGIN;
         if !self.title.is_empty() {
-            heading(&mut canvas, &self.title, TITLE_SIZE, [MARGIN, y], inner_width);
+            let size = (TITLE_SIZE, Weight::Bold);
+            heading(&mut canvas, &self.title, size, [MARGIN, y], inner_width);
             y += TITLE_HEIGHT;
         }
         let shared = shared_legend(&self.panels);
         for (i, row) in self.panels.chunks(columns).enumerate() {
             y += if i > 0 { GAP } else { 0.0 };
             let titled = row.iter().any(|panel| !panel.title().is_empty());
-            let body_y = y + if titled { PANEL_TITLE_HEIGHT } else { 0.0 };
+            let noted = row.iter().any(|panel| !panel.note().is_empty());
+            let note_y = y + if titled { PANEL_TITLE_HEIGHT } else { 0.0 };
+            let body_y = note_y + if noted { NOTE_HEIGHT } else { 0.0 };
             let height = row.iter().map(|panel| panel.height(panel_width)).fold(0.0, f64::max);
             let mut row_bottom = body_y + height;
             for (column, panel) in row.iter().enumerate() {
                 let x = MARGIN + column as f64 * (panel_width + GAP);
-                heading(&mut canvas, panel.title(), PANEL_TITLE_SIZE, [x, y], panel_width);
+                let bold = Weight::Bold;
+                heading(&mut canvas, panel.title(), (PANEL_TITLE_SIZE, bold), [x, y], panel_width);
+                let (size, at) = ((NOTE_SIZE, Weight::Regular), [x, note_y - 5.0]);
+                heading(&mut canvas, panel.note(), size, at, panel_width);
                 panel.draw(&mut canvas, Frame { x, y: body_y, width: panel_width, height });
                 if shared.is_none() {
                     let entries = panel.legend();
@@ -224,19 +247,25 @@ impl Picture {
     }
 }
 
-/// Bold text centred over `width` from `at`, its upper left corner; smaller and then cut if it would
+/// Text centred over `width` from `at`, its upper left corner; smaller and then cut if it would
 /// not fit.
-fn heading(canvas: &mut Canvas, text: &str, size: f64, at: [f64; 2], width: f64) {
+fn heading(
+    canvas: &mut Canvas,
+    text: &str,
+    (size, weight): (f64, Weight),
+    at: [f64; 2],
+    width: f64,
+) {
     if text.is_empty() {
         return;
     }
-    let needed = font::width(text, size, Weight::Bold);
+    let needed = font::width(text, size, weight);
     let fitting = size * (width / needed.max(1.0)).clamp(0.55, 1.0);
     canvas.shapes.push(Shape::Text(Text {
         at: [at[0] + width / 2.0, at[1] + size],
-        text: font::cut(text, fitting, Weight::Bold, width),
+        text: font::cut(text, fitting, weight, width),
         size: fitting,
-        weight: Weight::Bold,
+        weight,
         color: TEXT,
         anchor: Anchor::Middle,
         upwards: false,

@@ -8,7 +8,7 @@ use tiny_skia::{
 use super::canvas::{Anchor, Canvas, Frame, Pixel, Shape, Stroke, Text};
 use super::clip::Window;
 use super::color::{Color, WHITE};
-use super::font;
+use super::{font, moving};
 use crate::error::{FormatError, Place};
 
 /// Most pixels of a bitmap on either side.
@@ -23,29 +23,65 @@ const LARGEST_CIRCLE: f64 = 2_000.0;
 /// How far beyond the bitmap shapes reach that are cut to it; more than half of any stroke's width.
 const BEYOND: f64 = 50.0;
 
-/// The PNG of a canvas at `scale` pixels per unit.
+/// The PNG of a canvas at `scale` pixels per unit, what can move as it ends.
 pub(super) fn write(canvas: &Canvas, scale: f64) -> Result<Vec<u8>, FormatError> {
+    let mut pixmap = sheet(canvas, scale)?;
+    paint_sheet(&mut pixmap, canvas, scale, usize::MAX);
+    let (width, height) = (pixmap.width() as usize, pixmap.height() as usize);
+    encode(width, height, &rgb(&pixmap)).ok_or_else(failed)
+}
+
+/// The PNG of a canvas that moves: a moment for each frame of what moves, the last one held.
+pub(super) fn write_moving(canvas: &Canvas, scale: f64) -> Result<Vec<u8>, FormatError> {
+    let frames = moments(&canvas.shapes);
+    let mut pixmap = sheet(canvas, scale)?;
+    let size = [pixmap.width(), pixmap.height()];
+    let shots = (0..frames.max(1)).map(|at| {
+        paint_sheet(&mut pixmap, canvas, scale, at);
+        rgb(&pixmap)
+    });
+    moving::encode(size, frames.max(1), shots).ok_or_else(failed)
+}
+
+fn failed() -> FormatError {
+    FormatError::new("PNG picture", Place::default(), "an encoder that failed", "a PNG")
+}
+
+/// An empty bitmap as large as the canvas.
+fn sheet(canvas: &Canvas, scale: f64) -> Result<Pixmap, FormatError> {
     let side = |length: f64| (length * scale).ceil().max(1.0).min(f64::from(u32::MAX)) as u32;
     let (width, height) = (side(canvas.width), side(canvas.height));
     let pixmap = Some((width, height))
         .filter(|_| scale.is_finite() && width.max(height) <= MOST_SIDE)
         .and_then(|(width, height)| Pixmap::new(width, height));
-    let Some(mut pixmap) = pixmap else {
-        return Err(FormatError::new(
+    pixmap.ok_or_else(|| {
+        FormatError::new(
             "PNG picture",
             Place::field("width x height"),
             format!("{width} x {height} pixels"),
             format!("at most {MOST_SIDE} on either side; draw fewer panels or a smaller scale"),
-        ));
-    };
+        )
+    })
+}
+
+fn paint_sheet(pixmap: &mut Pixmap, canvas: &Canvas, scale: f64, moment: usize) {
     pixmap.fill(paint_color(WHITE));
     let transform = Transform::from_scale(scale as f32, scale as f32);
-    draw(&mut pixmap, &canvas.shapes, transform, None);
-    let rgb: Vec<u8> =
-        pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-    encode(width as usize, height as usize, &rgb).ok_or_else(|| {
-        FormatError::new("PNG picture", Place::default(), "an encoder that failed", "a PNG")
-    })
+    draw(pixmap, &canvas.shapes, transform, None, moment);
+}
+
+fn rgb(pixmap: &Pixmap) -> Vec<u8> {
+    pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect()
+}
+
+/// How many frames the longest of what moves has.
+fn moments(shapes: &[Shape]) -> usize {
+    let of = |shape: &Shape| match shape {
+        Shape::Moving { frames, .. } => frames.len(),
+        Shape::Clip { shapes, .. } => moments(shapes),
+        _ => 0,
+    };
+    shapes.iter().map(of).max().unwrap_or(0)
 }
 
 /// A PNG of opaque pixels, the top row first; `None` if the sizes disagree.
@@ -62,7 +98,14 @@ pub(super) fn encode(width: usize, height: usize, rgb: &[u8]) -> Option<Vec<u8>>
     Some(bytes)
 }
 
-fn draw(pixmap: &mut Pixmap, shapes: &[Shape], transform: Transform, mask: Option<&Mask>) {
+/// Draws shapes as they are at a moment of what moves, or as it ends.
+fn draw(
+    pixmap: &mut Pixmap,
+    shapes: &[Shape],
+    transform: Transform,
+    mask: Option<&Mask>,
+    moment: usize,
+) {
     for shape in shapes {
         match shape {
             Shape::Area { rings, fill } => {
@@ -87,7 +130,8 @@ fn draw(pixmap: &mut Pixmap, shapes: &[Shape], transform: Transform, mask: Optio
             }
             Shape::Moving { frames, stroke } => {
                 let mut path = PathBuilder::new();
-                frames.iter().rev().take(1).for_each(|last| add_points(&mut path, last, false));
+                let frame = frames.get(moment).or(frames.last());
+                frame.into_iter().for_each(|points| add_points(&mut path, points, false));
                 stroke_path(pixmap, path.finish(), stroke, transform, mask);
             }
             Shape::Circle { center, radius, fill, stroke } => {
@@ -115,7 +159,7 @@ fn draw(pixmap: &mut Pixmap, shapes: &[Shape], transform: Transform, mask: Optio
             Shape::Text(text) => draw_text(pixmap, text, transform, mask),
             Shape::Clip { frame, shapes } => {
                 let clip = clip_mask(pixmap, frame, transform);
-                draw(pixmap, shapes, transform, clip.as_ref().or(mask));
+                draw(pixmap, shapes, transform, clip.as_ref().or(mask), moment);
             }
         }
     }

@@ -7,8 +7,9 @@ use sidestep::plane::points;
 use sidestep::{Grid, Obstacle, PlaneTask, Robot, Trajectory, World};
 
 use super::canvas::{Canvas, Frame, Pixel, Shape, Stroke};
-use super::color::{Color, OBSTACLE, OBSTACLE_EDGE, TEXT, WHITE, palette};
+use super::color::{Color, LineStyle, OBSTACLE, OBSTACLE_EDGE, TEXT, WHITE, palette};
 use super::legend::{self, Entry, Mark};
+use super::map_axes;
 use super::outline;
 use super::shading::Shading;
 
@@ -16,10 +17,9 @@ use super::shading::Shading;
 #[derive(Debug, Clone, PartialEq)]
 struct Layer {
     label: String,
-    color: Color,
+    style: LineStyle,
     /// One trajectory; or the iterates of an optimizer, the earliest first.
     trajectories: Vec<Trajectory>,
-    dashed: bool,
     fan: bool,
     /// Whether the trajectories are shown one after the other.
     moving: bool,
@@ -29,13 +29,25 @@ struct Layer {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskPanel {
     pub(super) title: String,
+    pub(super) note: String,
     world: Arc<World>,
     robot: Robot,
     ends: [Point; 2],
     layers: Vec<Layer>,
     shading: Option<Shading>,
     swept: bool,
+    margin: f64,
+    unit: String,
+    blocked: Option<Blocked>,
     colors_used: usize,
+}
+
+/// Where a trajectory is blocked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Blocked {
+    segment: [Point; 2],
+    place: Point,
+    obstacle: Option<usize>,
 }
 
 impl TaskPanel {
@@ -43,12 +55,16 @@ impl TaskPanel {
     pub fn new(task: PlaneTask<'_>) -> Self {
         Self {
             title: task.name.to_owned(),
+            note: String::new(),
             world: Arc::clone(task.world),
             robot: task.robot,
             ends: [task.start, task.goal],
             layers: Vec::new(),
             shading: None,
             swept: true,
+            margin: 0.0,
+            unit: String::new(),
+            blocked: None,
             colors_used: 0,
         }
     }
@@ -59,21 +75,51 @@ impl TaskPanel {
         self
     }
 
+    /// A line under the title, such as length, clearance and steps.
+    pub fn note(mut self, note: impl Into<String>) -> Self {
+        self.note = note.into();
+        self
+    }
+
+    /// The unit of the axes, such as `m`; without this, none is named.
+    pub fn unit(mut self, unit: impl Into<String>) -> Self {
+        self.unit = unit.into();
+        self
+    }
+
+    /// Draws how far around the robot is to stay free, along each path and at both ends; in task units.
+    pub fn margin(mut self, margin: f64) -> Self {
+        self.margin = margin.max(0.0);
+        self
+    }
+
+    /// Marks where a trajectory is blocked: a segment of it, a place on that, and the obstacle of this
+    /// number that it meets.
+    pub fn blocked(mut self, segment: [Point; 2], place: Point, obstacle: Option<usize>) -> Self {
+        self.blocked = Some(Blocked { segment, place, obstacle });
+        self
+    }
+
     /// Draws a trajectory in the next colour of the palette.
     pub fn path(self, label: impl Into<String>, trajectory: &Trajectory) -> Self {
         let color = palette(self.colors_used);
         self.path_in(label, trajectory, color)
     }
 
-    /// Draws a trajectory in a colour of the caller's, say the planner's in every panel.
-    pub fn path_in(self, label: impl Into<String>, trajectory: &Trajectory, color: Color) -> Self {
-        self.layer(label.into(), color, vec![trajectory.clone()], false, false)
+    /// Draws a trajectory in a colour or style of the caller's, say the planner's in every panel.
+    pub fn path_in(
+        self,
+        label: impl Into<String>,
+        trajectory: &Trajectory,
+        style: impl Into<LineStyle>,
+    ) -> Self {
+        self.layer(label.into(), style.into(), std::slice::from_ref(trajectory), false)
     }
 
     /// Draws a trajectory dashed, as one that was given up or is shown only to compare.
     pub fn dashed_path(self, label: impl Into<String>, trajectory: &Trajectory) -> Self {
         let color = palette(self.colors_used);
-        self.layer(label.into(), color, vec![trajectory.clone()], true, false)
+        self.path_in(label, trajectory, LineStyle { color, dash: Some([7.5, 5.5]) })
     }
 
     /// Draws the iterates of an optimizer, the earliest first, fading from light to dark.
@@ -84,7 +130,7 @@ impl TaskPanel {
 
     /// Draws the iterates of an optimizer in a colour of the caller's.
     pub fn trace_in(self, label: impl Into<String>, iterates: &[Trajectory], color: Color) -> Self {
-        self.layer(label.into(), color, iterates.to_vec(), false, true)
+        self.layer(label.into(), color.into(), iterates, true)
     }
 
     /// Shows the iterates of an optimizer one after the other, in a picture that can move; in others the
@@ -93,9 +139,9 @@ impl TaskPanel {
         mut self,
         label: impl Into<String>,
         iterates: &[Trajectory],
-        color: Color,
+        style: impl Into<LineStyle>,
     ) -> Self {
-        self = self.layer(label.into(), color, iterates.to_vec(), false, false);
+        self = self.layer(label.into(), style.into(), iterates, false);
         self.layers.iter_mut().rev().take(1).for_each(|layer| layer.moving = true);
         self
     }
@@ -113,15 +159,9 @@ impl TaskPanel {
         self
     }
 
-    fn layer(
-        mut self,
-        label: String,
-        color: Color,
-        trajectories: Vec<Trajectory>,
-        dashed: bool,
-        fan: bool,
-    ) -> Self {
-        self.layers.push(Layer { label, color, trajectories, dashed, fan, moving: false });
+    fn layer(mut self, label: String, style: LineStyle, of: &[Trajectory], fan: bool) -> Self {
+        let trajectories = of.to_vec();
+        self.layers.push(Layer { label, style, trajectories, fan, moving: false });
         self.colors_used += 1;
         self
     }
@@ -133,67 +173,87 @@ impl TaskPanel {
             Entry { mark: Mark::Goal, label: "goal".into() },
         ];
         for layer in self.layers.iter().filter(|layer| !layer.label.is_empty()) {
-            let (color, dashed) = (layer.color, layer.dashed);
-            let mark = if layer.fan { Mark::Fan { color } } else { Mark::Line { color, dashed } };
+            let color = layer.style.color;
+            let mark = if layer.fan { Mark::Fan { color } } else { Mark::Line(layer.style) };
             entries.push(Entry { mark, label: layer.label.clone() });
+        }
+        if self.blocked.is_some() {
+            entries.push(Entry { mark: Mark::Blocked, label: "blocked".into() });
         }
         entries
     }
 
-    /// Height of the drawing over its width.
-    pub(super) fn aspect(&self) -> f64 {
-        let [width, height] = self.world.bounds().size();
-        height / width
+    /// Height of a drawing of this width, its axes included.
+    pub(super) fn height(&self, width: f64) -> f64 {
+        map_axes::height(self.world.bounds(), width)
     }
 
-    /// Draws the world into a frame of the world's aspect.
+    /// Draws the world with its axes into a frame.
     pub(super) fn draw(&self, canvas: &mut Canvas, frame: Frame) {
         let world = &self.world;
-        let view = View { bounds: world.bounds(), frame };
-        canvas.clipped(frame, |canvas| {
+        let view = View { bounds: world.bounds(), frame: map_axes::inside(world.bounds(), frame) };
+        let radius = view.scale() * self.robot.radius();
+        let margin = view.scale() * self.margin;
+        canvas.clipped(view.frame, |canvas| {
             if let Some(shading) = &self.shading {
-                canvas.shapes.push(shading.image(frame));
+                canvas.shapes.push(shading.image(view.frame));
             }
             if let Some(grid) = world.grid() {
                 draw_grid(canvas, &view, grid);
             }
-            for obstacle in world.obstacles() {
-                draw_obstacle(canvas, &view, obstacle);
+            let met = self.blocked.and_then(|blocked| blocked.obstacle);
+            for (i, obstacle) in world.obstacles().iter().enumerate() {
+                draw_obstacle(canvas, &view, obstacle, met == Some(i));
             }
             // Over the obstacles, so that a collision shows.
             for layer in
                 self.layers.iter().filter(|layer| self.swept && !layer.fan && !layer.moving)
             {
-                self.draw_sweep(canvas, &view, layer);
+                draw_sweep(canvas, &view, layer, 2.0 * (radius + margin), 0.09, margin > 0.0);
+                draw_sweep(canvas, &view, layer, 2.0 * radius, 0.18, radius > 0.0);
+            }
+            if let Some(blocked) = self.blocked {
+                canvas.line(view.pixels(&blocked.segment), Stroke::new(TEXT, 7.0));
             }
             for layer in &self.layers {
                 draw_layer(canvas, &view, layer);
             }
-        });
-        canvas.outline(frame.corners(), Stroke::new(OBSTACLE_EDGE, 2.5));
-        canvas.clipped(frame, |canvas| {
-            let radius = view.scale() * self.robot.radius();
-            for p in self.ends {
+            for center in self.ends.map(|p| view.pixel(p)) {
                 if radius > 4.0 {
-                    let stroke = Some(Stroke::new(TEXT.with_opacity(0.6), 1.0));
-                    let center = view.pixel(p);
+                    let stroke = Some(Stroke::new(TEXT.with_opacity(0.7), 1.25));
+                    let fill = Some(TEXT.with_opacity(0.12));
+                    canvas.shapes.push(Shape::Circle { center, radius, fill, stroke });
+                }
+                if margin > 2.0 {
+                    let stroke = Stroke { dash: Some([3.0, 3.0]), ..Stroke::new(TEXT, 1.0) };
+                    let (radius, stroke) = (radius + margin, Some(stroke));
                     canvas.shapes.push(Shape::Circle { center, radius, fill: None, stroke });
                 }
             }
         });
+        canvas.outline(view.frame.corners(), Stroke::new(OBSTACLE_EDGE, 2.0));
+        map_axes::draw(canvas, world.bounds(), view.frame, &self.unit);
         // Last and not cut off: a start in a corner must be seen whole.
         legend::draw_start(canvas, view.pixel(self.ends[0]));
         legend::draw_goal(canvas, view.pixel(self.ends[1]));
-    }
-
-    fn draw_sweep(&self, canvas: &mut Canvas, view: &View, layer: &Layer) {
-        let width = 2.0 * view.scale() * self.robot.radius();
-        if width > 0.0 {
-            for trajectory in &layer.trajectories {
-                let stroke = Stroke::new(layer.color.with_opacity(0.18), width);
-                canvas.line(view.pixels(points(trajectory)), stroke);
-            }
+        if let Some(Blocked { place, .. }) = self.blocked {
+            legend::draw_cross(canvas, view.pixel(place));
         }
+    }
+}
+
+/// The area that a disc sweeps along the layer's trajectories.
+fn draw_sweep(
+    canvas: &mut Canvas,
+    view: &View,
+    layer: &Layer,
+    width: f64,
+    opacity: f64,
+    there: bool,
+) {
+    for trajectory in layer.trajectories.iter().filter(|_| there) {
+        let stroke = Stroke::new(layer.style.color.with_opacity(opacity), width);
+        canvas.line(view.pixels(points(trajectory)), stroke);
     }
 }
 
@@ -213,8 +273,8 @@ fn draw_grid(canvas: &mut Canvas, view: &View, grid: &Grid) {
     }
 }
 
-fn draw_obstacle(canvas: &mut Canvas, view: &View, obstacle: &Obstacle) {
-    let edge = Stroke::new(OBSTACLE_EDGE, 1.0);
+fn draw_obstacle(canvas: &mut Canvas, view: &View, obstacle: &Obstacle, met: bool) {
+    let edge = if met { Stroke::new(TEXT, 3.0) } else { Stroke::new(OBSTACLE_EDGE, 1.0) };
     let corners = match obstacle {
         Obstacle::Circle(Circle { center, radius }) => {
             canvas.shapes.push(Shape::Circle {
@@ -237,7 +297,7 @@ fn draw_layer(canvas: &mut Canvas, view: &View, layer: &Layer) {
         let frames: Vec<Vec<Pixel>> =
             layer.trajectories.iter().map(|trajectory| view.pixels(points(trajectory))).collect();
         let rim = Stroke::new(WHITE.with_opacity(0.85), 4.5);
-        for stroke in [rim, Stroke::new(layer.color, 2.5)] {
+        for stroke in [rim, Stroke::styled(layer.style, 2.5)] {
             canvas.shapes.push(Shape::Moving { frames: frames.clone(), stroke });
         }
         return;
@@ -249,12 +309,11 @@ fn draw_layer(canvas: &mut Canvas, view: &View, layer: &Layer) {
             let age = i as f64 / last.max(1) as f64;
             let opacity = if i == last { 1.0 } else { 0.12 + 0.5 * age };
             let width = if i == last { 2.5 } else { 1.25 };
-            canvas.line(line, Stroke::new(layer.color.with_opacity(opacity), width));
+            canvas.line(line, Stroke::new(layer.style.color.with_opacity(opacity), width));
         } else {
             // A white rim keeps the line legible where it crosses an obstacle or another line.
             canvas.line(line.clone(), Stroke::new(WHITE.with_opacity(0.85), 4.5));
-            let stroke = Stroke::new(layer.color, 2.5);
-            canvas.line(line, if layer.dashed { stroke.dashed() } else { stroke });
+            canvas.line(line, Stroke::styled(layer.style, 2.5));
         }
     }
 }

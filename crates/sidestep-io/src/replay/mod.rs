@@ -48,8 +48,19 @@ pub struct Run {
     pub text: String,
     /// Its iterates, and the plan or the last attempt.
     pub frames: Vec<Frame>,
-    /// The segment of the last frame that is blocked, and the obstacle that it meets.
-    pub blocked: Option<(usize, Option<usize>)>,
+    /// Where the last frame is blocked.
+    pub blocked: Option<Block>,
+}
+
+/// Where a trajectory meets something.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Block {
+    /// The segment, from 0.
+    pub segment: usize,
+    /// A place on it.
+    pub place: Point,
+    /// The number of the obstacle, if it is one of the world's shapes.
+    pub obstacle: Option<usize>,
 }
 
 /// One iterate.
@@ -124,9 +135,11 @@ impl Replay<'_> {
             "name": run.planner,
             "text": run.text,
             "color": format!("#{red:02x}{green:02x}{blue:02x}"),
-            "dash": style.dash,
+            "dash": style.dash.map_or_else(Vec::new, |dash| dash.to_vec()),
             "frames": frames,
-            "blocked": run.blocked.map(|(segment, obstacle)| json!({"segment": segment, "obstacle": obstacle})),
+            "blocked": run.blocked.map(|at| {
+                json!({"segment": at.segment, "place": round.point(at.place), "obstacle": at.obstacle})
+            }),
         })
     }
 }

@@ -29,7 +29,7 @@ const panels = data.runs.map((run) => {
   return panel;
 });
 const CHARTS = [
-  ["U, and its obstacles' part (faint)", "cost", true], ["clearance", "clearance"], ["length", "length"],
+  ["U, and its obstacles' part (faint)", "cost", true], ["clearance; below 0, the depth of the collision", "clearance"], ["length", "length"],
   ["sharpest corner, degrees", "turn"],
 ];
 const charts = CHARTS.map(([title, key, parts]) => {
@@ -68,7 +68,7 @@ function draw() {
       const whole = curve((frame) => frame[chart.key], run.color);
       return chart.parts ? [curve((frame) => frame.obstacles, faint(run.color)), whole] : [whole];
     });
-    chart.seek = drawCurves(chart.canvas, chart.title, curves, state.at, frames);
+    chart.seek = drawCurves(chart.canvas, chart.title, curves, state.at, frames, chart.parts);
   }
   const table = byId("numbers");
   table.replaceChildren();

@@ -28,7 +28,7 @@ fn page(title: &str, planner: &str, runs: usize, frames: usize) -> String {
         planner: planner.into(),
         text: title.into(),
         frames: (0..frames).map(frame).collect(),
-        blocked: Some((3, Some(1))),
+        blocked: Some(Block { segment: 3, place: [30.0, 20.0], obstacle: Some(1) }),
     };
     let replay = Replay {
         title: title.into(),

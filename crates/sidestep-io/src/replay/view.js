@@ -71,22 +71,28 @@ function outline(pen, view, shape) {
   }
 }
 
+// A small picture of the cost of each place, stretched smoothly over the bounds.
 function drawShade(pen, view, world) {
   const { field, bounds: [x0, y0, x1, y1] } = world;
-  const wide = (x1 - x0) / field.columns, tall = (y1 - y0) / field.rows;
-  pen.fillStyle = color("low");
+  const small = document.createElement("canvas");
+  small.width = field.columns;
+  small.height = field.rows;
+  const brush = small.getContext("2d"), pixels = brush.createImageData(field.columns, field.rows);
+  brush.fillStyle = color("low");
+  brush.fillRect(0, 0, 1, 1);
+  const [red, green, blue] = brush.getImageData(0, 0, 1, 1).data;
   const most = costAt(world, Math.min(0, field.low / 4)) || 1;
   for (let row = 0; row < field.rows; row++) {
     for (let column = 0; column < field.columns; column++) {
       const digit = DIGITS.indexOf(field.values[row * field.columns + column]);
       const d = field.low + digit / (DIGITS.length - 1) * (field.high - field.low);
-      const share = Math.min(1, costAt(world, d) / most);
-      if (share <= 0.004) continue;
-      pen.globalAlpha = Math.ceil(8 * Math.sqrt(share)) / 8;
-      pen.fillRect(view.x(x0 + column * wide), view.y(y0 + (row + 1) * tall), wide * view.scale + 0.6, tall * view.scale + 0.6);
+      const share = Math.sqrt(Math.min(1, costAt(world, d) / most));
+      pixels.data.set([red, green, blue, 255 * Math.ceil(8 * share) / 8], 4 * ((field.rows - 1 - row) * field.columns + column));
     }
   }
-  pen.globalAlpha = 1;
+  brush.putImageData(pixels, 0, 0);
+  pen.imageSmoothingEnabled = true;
+  pen.drawImage(small, view.x(x0), view.y(y1), (x1 - x0) * view.scale, (y1 - y0) * view.scale);
 }
 
 function drawGrid(pen, view, grid) {
@@ -148,7 +154,7 @@ function drawTask(canvas, world, points, options) {
     pen.fillStyle = color("obstacle");
     pen.fill();
     const hit = options.blocked && options.blocked.obstacle === i;
-    pen.strokeStyle = color(hit ? "hit" : "edge");
+    pen.strokeStyle = color(hit ? "ink" : "edge");
     pen.lineWidth = hit ? 3 : 1;
     pen.stroke();
   });
@@ -160,6 +166,13 @@ function drawTask(canvas, world, points, options) {
     pen.lineWidth = 1.5;
     pen.stroke();
     pen.setLineDash([]);
+  }
+  const cut = options.blocked ? options.blocked.segment : -1;
+  if (points[cut + 1] && cut >= 0) {
+    line(pen, view, points.slice(cut, cut + 2));
+    pen.strokeStyle = color("ink");
+    pen.lineWidth = 7;
+    pen.stroke();
   }
   if (points.length) {
     line(pen, view, points);
@@ -180,13 +193,6 @@ function drawTask(canvas, world, points, options) {
       pen.arc(view.x(x), view.y(y), 2.6, 0, 2 * Math.PI);
       pen.fill();
     }
-    const cut = options.blocked && options.blocked.segment;
-    if (cut !== null && cut !== undefined && points[cut + 1]) {
-      line(pen, view, points.slice(cut, cut + 2));
-      pen.strokeStyle = color("hit");
-      pen.lineWidth = 5;
-      pen.stroke();
-    }
   }
   for (const [from, to] of options.arrows || []) arrow(pen, view, from, to);
   world.ends.forEach(([x, y], i) => {
@@ -200,9 +206,24 @@ function drawTask(canvas, world, points, options) {
     pen.lineWidth = 1.6;
     pen.stroke();
   });
+  if (options.blocked && options.blocked.place) cross(pen, view, options.blocked.place);
   pen.restore();
   drawAxes(pen, view, world, width);
   return view;
+}
+
+// Where the way is blocked.
+function cross(pen, view, [x, y]) {
+  for (const [width, ink] of [[6, "paper"], [3, "ink"]]) {
+    pen.beginPath();
+    for (const side of [-6, 6]) {
+      pen.moveTo(view.x(x) - 6, view.y(y) - side);
+      pen.lineTo(view.x(x) + 6, view.y(y) + side);
+    }
+    pen.strokeStyle = color(ink);
+    pen.lineWidth = width;
+    pen.stroke();
+  }
 }
 
 function arrow(pen, view, from, to) {
@@ -221,8 +242,8 @@ function arrow(pen, view, from, to) {
   pen.stroke();
 }
 
-// Curves over frames: `curves` of { values, color, dash }, a logarithmic scale where all are positive and far apart.
-function drawCurves(canvas, title, curves, at, frames) {
+// Curves over frames: `curves` of { values, color, dash }; with `mayLog`, a logarithmic scale where all are positive and far apart.
+function drawCurves(canvas, title, curves, at, frames, mayLog) {
   const { pen, width, height } = sheet(canvas, 170);
   const left = 46, right = 8, top = 22, below = 20;
   const all = curves.flatMap((curve) => curve.values).filter((v) => v !== null && Number.isFinite(v));
@@ -232,7 +253,7 @@ function drawCurves(canvas, title, curves, at, frames) {
   pen.fillText(title, left, 14);
   if (!all.length) return null;
   let low = Math.min(...all), high = Math.max(...all);
-  const log = low > 0 && high > 30 * low;
+  const log = mayLog && low > 0 && high > 30 * low;
   const put = (v) => (log ? Math.log10(v) : v);
   [low, high] = [put(low), put(high)];
   if (high - low < 1e-9 * Math.max(1, Math.abs(high))) [low, high] = [low - 0.5, high + 0.5];
