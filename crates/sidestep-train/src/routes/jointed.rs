@@ -47,7 +47,7 @@ fn paths(query: &Query, rng: &mut ChaCha8Rng) -> Vec<Trajectory> {
     found
 }
 
-/// Up to [`MOST`] different routes, the shortest first; none if the trees find no way.
+/// Up to `MOST` different routes, the shortest first; none if the trees find no way.
 pub fn targets(objective: &Objective, rng: &mut ChaCha8Rng) -> Vec<Target> {
     let query = objective.query();
     let mut found = paths(query, rng);
