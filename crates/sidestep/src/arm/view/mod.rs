@@ -12,7 +12,7 @@
 //! A row holds, for each joint: sine and cosine, place within the limits, offsets to start, goal and both neighbours, the last
 //! update, the base, slopes of the cost at the waypoint and along both adjacent segments; for each ball that is looked at: its gap at the
 //! waypoint and the least along both segments, near and far told apart for the least of all; and what all waypoints share
-//! ([`SHARED`] numbers). Training and planning call the same code.
+//! (`SHARED` numbers). Training and planning call the same code.
 
 mod measure;
 
