@@ -4,6 +4,7 @@
 
 pub mod iterates;
 pub mod measure;
+mod page;
 pub mod report;
 pub mod statistics;
 pub mod timing;
@@ -39,6 +40,7 @@ const EXAMPLES: &str = "\
 Examples:
   sidestep bench --suite easy --planner gd,adam,sidestep-1 --out report.json
   sidestep bench --suite hard --count 300 --seeds 2,12 --planner gd:step=0.5 --starts 5
+  sidestep bench --suite hard --count 100 --planner gd,adam,sidestep-1 --html bench.html
   sidestep bench --tasks maps/*.map --random-queries 50 --by-file --planner auto";
 
 /// Arguments of `bench`.
@@ -79,6 +81,9 @@ pub struct BenchArgs {
     /// Write the report here
     #[arg(long, help_heading = "Output")]
     out: Option<PathBuf>,
+    /// Show the figures here, as one HTML page in which tasks that some planner failed can be watched
+    #[arg(long, help_heading = "Output")]
+    html: Option<PathBuf>,
 }
 
 /// Measures and prints.
@@ -117,7 +122,7 @@ pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
         None => vec![(&all, &sets)],
     };
     let mut rows = Vec::new();
-    for (name, sets) in parts {
+    for &(name, sets) in &parts {
         for (planner_name, planner) in &planners {
             let total = sets.iter().map(|set| set.tasks.len() as u64).sum::<u64>();
             let bar = output::progress(planner_name, 2 * total, global.quiet);
@@ -134,18 +139,28 @@ pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
     };
     // A report that cannot be written is shown all the same: the measurement may have taken hours.
     let written = args.out.as_ref().map_or(Ok(()), |path| output::write_json(path, &report));
+    let shown = args.html.as_ref().map_or(Ok(()), |path| {
+        page::write(path, &report, &parts, &planners, &options, global.quiet)
+    });
     if global.json {
         output::print_json(&report)?;
     } else {
         output::print(&table::markdown(&report))?;
     }
-    written
+    written?;
+    shown
 }
 
 /// Fails if the report could not be written or would replace one of these.
 fn check_output(args: &BenchArgs, inputs: &[PathBuf]) -> Result<(), Failure> {
-    let outputs: Vec<_> = args.out.iter().map(|out| ("--out", out.as_path())).collect();
-    outputs.iter().try_for_each(|&out| output::check_suffix(out, &["json"]))?;
+    let named = [("--out", &args.out, ["json"]), ("--html", &args.html, ["html"])];
+    let mut outputs = Vec::new();
+    for (flag, path, suffixes) in &named {
+        if let Some(path) = path {
+            output::check_suffix((flag, path), suffixes)?;
+            outputs.push((*flag, path.as_path()));
+        }
+    }
     output::check_outputs(&outputs, inputs)
 }
 

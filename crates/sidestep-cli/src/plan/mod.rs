@@ -30,7 +30,7 @@ mod controller;
 mod draw;
 mod files;
 mod page;
-mod replay;
+pub mod replay;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -301,7 +301,7 @@ fn is_time_left(deadline: Option<Instant>) -> bool {
 }
 
 /// An iterate in task units. Methods that do not use U leave it to be computed here.
-fn step(query: &Query, iteration: &Iteration<'_>) -> TraceStep {
+pub fn step(query: &Query, iteration: &Iteration<'_>) -> TraceStep {
     let objective = Objective::new(query, iteration.waypoints.len() / query.scene().dof()).ok();
     let cost = iteration.cost.or_else(|| Some(objective.clone()?.cost(iteration.waypoints)));
     let cost = cost.unwrap_or_default();

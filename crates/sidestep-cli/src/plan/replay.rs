@@ -1,13 +1,17 @@
 //! Optimizers at work in the plane, as a page.
 
 use std::path::Path;
+use std::time::Duration;
 
 use sidestep::objective::Objective;
+use sidestep::plan::Plan;
+use sidestep::plane::geometry::Point;
 use sidestep::plane::points;
 use sidestep::plane::shortest_path::{Route, ShortestPath};
 use sidestep::scene::Query;
 use sidestep::{PlaneTask, Task, Trajectory};
-use sidestep_io::replay::{Block, Frame, Replay, Run};
+use sidestep_io::plan_json::TraceStep;
+use sidestep_io::replay::{Block, Frame, MOST_FRAMES, Replay, Run};
 
 use super::{Attempt, PlanArgs, draw};
 use crate::failure::Failure;
@@ -21,13 +25,24 @@ pub fn write<'a>(
     plane: PlaneTask<'_>,
     attempts: impl Iterator<Item = &'a Attempt> + Clone,
 ) -> Result<(), Failure> {
-    let Some(scene) = attempts.clone().next().and_then(|attempt| attempt.query.scene().plane())
-    else {
-        return Ok(());
-    };
-    let (frame, field) = (scene.frame(), scene.field());
-    let route = ShortestPath::new(plane.world, plane.robot).find(plane.start, plane.goal);
-    let mut lines = vec![format!("robot of radius {}", plane.robot.radius())];
+    let Some(attempt) = attempts.clone().next() else { return Ok(()) };
+    let query = &attempt.query;
+    let runs = attempts.map(|attempt| {
+        let Attempt { planner, query, plan, time, trace, .. } = attempt;
+        let why = super::reason(args, task, query, plan);
+        run(planner, query, plan, (*time, why), trace)
+    });
+    let mut replay = replay(plane, query, runs.collect());
+    if args.margin > 0.0 {
+        replay.lines.push(format!("margin {}", args.margin));
+    }
+    output::write_file(path, replay.to_html(far(query)).as_bytes())
+}
+
+/// What is shown of a task in the plane and the planners that were asked.
+pub fn replay<'a>(task: PlaneTask<'a>, query: &Query, runs: Vec<Run>) -> Replay<'a> {
+    let route = ShortestPath::new(task.world, task.robot).find(task.start, task.goal);
+    let mut lines = vec![format!("robot of radius {}", task.robot.radius())];
     let shortest = match route {
         Route::Found { trajectory, .. } => {
             lines.push(format!("shortest path {:.3}, dotted", trajectory.length()));
@@ -35,23 +50,31 @@ pub fn write<'a>(
         }
         _ => None,
     };
-    if args.margin > 0.0 {
-        lines.push(format!("margin {}", args.margin));
-    }
-    let replay = Replay {
-        title: if plane.name.is_empty() { "A task" } else { plane.name }.to_owned(),
-        lines,
-        task: plane,
-        epsilon: scene.epsilon() * frame.scale,
-        shortest,
-        runs: attempts.map(|attempt| run(args, task, attempt)).collect(),
-    };
-    let html = replay.to_html(|p| f64::from(field.at(frame.to_normalised(p)).0) * frame.scale);
-    output::write_file(path, html.as_bytes())
+    let scene = query.scene().plane();
+    let title = if task.name.is_empty() { "A task" } else { task.name }.to_owned();
+    let epsilon = scene.map_or(1.0, |scene| scene.epsilon() * scene.frame().scale);
+    Replay { title, lines, task, epsilon, shortest, runs, most_frames: MOST_FRAMES }
 }
 
-fn run(args: &PlanArgs, task: &Task, attempt: &Attempt) -> Run {
-    let Attempt { planner, query, plan, time, trace, .. } = attempt;
+/// How far a place is from the obstacles, in task units.
+pub fn far(query: &Query) -> impl Fn(Point) -> f64 {
+    move |p| {
+        let scene = query.scene().plane();
+        scene.map_or(f64::INFINITY, |scene| {
+            let (frame, field) = (scene.frame(), scene.field());
+            f64::from(field.at(frame.to_normalised(p)).0) * frame.scale
+        })
+    }
+}
+
+/// What one planner did in some time, with the reason if it has no plan, and its iterates.
+pub fn run(
+    planner: &str,
+    query: &Query,
+    plan: &Plan,
+    (time, why): (Duration, String),
+    trace: &[TraceStep],
+) -> Run {
     let several = trace.iter().any(|step| step.start > 0);
     let mut frames: Vec<Frame> = trace
         .iter()
@@ -81,7 +104,6 @@ fn run(args: &PlanArgs, task: &Task, attempt: &Attempt) -> Run {
             trajectory: path.clone(),
         });
     }
-    let why = super::reason(args, task, query, plan);
     let took = format!("{} iterations, {:.0} us", plan.steps, time.as_secs_f64() * 1e6);
     let text = match plan.certified() {
         Some(path) => format!(
@@ -92,7 +114,12 @@ fn run(args: &PlanArgs, task: &Task, attempt: &Attempt) -> Run {
         ),
         None => format!("{}: {why}; {took}", plan.status.name()),
     };
-    Run { planner: planner.clone(), text, frames, blocked: draw::blocked(query, plan).map(block) }
+    Run {
+        planner: planner.to_owned(),
+        text,
+        frames,
+        blocked: draw::blocked(query, plan).map(block),
+    }
 }
 
 /// U of a trajectory that no optimizer made, with as many waypoints as it has.

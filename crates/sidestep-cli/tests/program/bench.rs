@@ -124,3 +124,25 @@ fn lists_are_written_in_every_way() {
         assert_eq!(report["rows"][0]["suite"], "free.json, block.json", "{tasks}");
     }
 }
+
+#[test]
+fn failed_tasks_can_be_watched() {
+    let folder = folder();
+    let line = "bench --suite hard --count 4 --seeds 501,502 --planner gd,sidestep-1 --timed 1";
+    check(folder.path(), &format!("{line} --html bench.html --quiet"), 0, &["sidestep-1"]);
+    let page = std::fs::read_to_string(folder.path().join("bench.html")).unwrap();
+    let begin = page.find("id=\"data\">").unwrap() + 10;
+    let end = begin + page[begin..].find("</script>").unwrap();
+    let data: serde_json::Value = serde_json::from_str(&page[begin..end]).unwrap();
+    assert_eq!(data["rows"].as_array().unwrap().len(), 2);
+    let tasks = data["tasks"].as_array().unwrap();
+    assert!(!tasks.is_empty() && tasks.len() <= 8);
+    for task in tasks {
+        let solved: Vec<bool> = serde_json::from_value(task["solved"].clone()).unwrap();
+        assert!(solved.contains(&false) && solved.len() == 2);
+        for (run, solved) in task["replay"]["runs"].as_array().unwrap().iter().zip(solved) {
+            assert_eq!(run["frames"].as_array().unwrap().last().unwrap()["free"], solved);
+        }
+    }
+    check(folder.path(), &format!("{line} --html bench.txt"), 2, &["--html", ".html"]);
+}

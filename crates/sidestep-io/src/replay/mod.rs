@@ -9,10 +9,11 @@ use sidestep::{Grid, Obstacle, PlaneTask, Trajectory};
 
 use crate::picture::planner_style;
 
+mod bench;
+
+pub use bench::{BenchPage, BenchRow, FailedTask};
+
 const PAGE: &str = include_str!("replay.html");
-const STYLE: &str = include_str!("style.css");
-const VIEW: &str = include_str!("view.js");
-const SCRIPT: &str = include_str!("replay.js");
 
 /// Places of the longer side at which distances are told.
 const FIELD_SIDE: usize = 96;
@@ -37,6 +38,8 @@ pub struct Replay<'a> {
     pub shortest: Option<Trajectory>,
     /// The planners, from left to right.
     pub runs: Vec<Run>,
+    /// Most frames of all planners together, such as [`MOST_FRAMES`].
+    pub most_frames: usize,
 }
 
 /// What one planner did.
@@ -81,12 +84,10 @@ pub struct Frame {
 impl Replay<'_> {
     /// The page; `distance` is how far a place is from the obstacles, for a point robot, in task units.
     pub fn to_html(&self, distance: impl Fn(Point) -> f64) -> String {
-        // Only what cannot end the element that holds it.
-        let data = self.data(distance).to_string().replace('<', "\\u003c");
-        let page = PAGE.replacen("STYLE\n", STYLE, 1).replacen("VIEW\n", VIEW, 1);
-        page.replacen("SCRIPT\n", SCRIPT, 1).replacen("DATA", &data, 1)
+        assembled(PAGE, &self.data(distance))
     }
 
+    /// What the page shows, as it stands in the page.
     fn data(&self, distance: impl Fn(Point) -> f64) -> Value {
         let world = self.task.world;
         let bounds = world.bounds();
@@ -105,15 +106,20 @@ impl Replay<'_> {
                 "field": field(bounds, self.epsilon, distance),
             },
             "shortest": self.shortest.as_ref().map(|path| round.path(path)),
+            "stride": self.stride(),
             "runs": self.runs.iter().map(|run| self.run(run, round)).collect::<Vec<_>>(),
         })
     }
 
+    /// Of how many iterates one is shown, the same for all planners; the last one always.
+    fn stride(&self) -> usize {
+        let most = (self.most_frames / self.runs.len().max(1)).max(2);
+        let longest = self.runs.iter().map(|run| run.frames.len()).max().unwrap_or(0);
+        longest.saturating_sub(1).div_ceil(most - 1).max(1)
+    }
+
     fn run(&self, run: &Run, round: Rounding) -> Value {
-        let style = planner_style(&run.planner);
-        // The first and the last always, others evenly.
-        let most = (MOST_FRAMES / self.runs.len().max(1)).max(2);
-        let stride = run.frames.len().saturating_sub(1).div_ceil(most - 1).max(1);
+        let stride = self.stride();
         let last = run.frames.len().saturating_sub(1);
         let shown = run.frames.iter().enumerate().filter(|(i, _)| i % stride == 0 || *i == last);
         let frames: Vec<Value> = shown
@@ -130,18 +136,43 @@ impl Replay<'_> {
                 })
             })
             .collect();
-        let [red, green, blue] = style.color.rgb;
+        let style = style(&run.planner);
         json!({
             "name": run.planner,
             "text": run.text,
-            "color": format!("#{red:02x}{green:02x}{blue:02x}"),
-            "dash": style.dash.map_or_else(Vec::new, |dash| dash.to_vec()),
+            "color": style["color"],
+            "dash": style["dash"],
             "frames": frames,
             "blocked": run.blocked.map(|at| {
                 json!({"segment": at.segment, "place": round.point(at.place), "obstacle": at.obstacle})
             }),
         })
     }
+}
+
+/// A page of its parts, and its data as JSON in which nothing can end the element that holds it.
+fn assembled(page: &str, data: &Value) -> String {
+    let parts = [
+        ("STYLE\n", include_str!("style.css")),
+        ("PLAYER\n", include_str!("player.html")),
+        ("VIEW\n", include_str!("view.js")),
+        ("PLAY\n", include_str!("replay.js")),
+        ("BENCH\n", include_str!("bench.js")),
+    ];
+    let page =
+        parts.iter().fold(page.to_owned(), |page, (name, part)| page.replacen(name, part, 1));
+    page.replacen("DATA", &data.to_string().replace('<', "\\u003c"), 1)
+}
+
+/// A planner's colour and dash, as pages know them.
+fn style(planner: &str) -> Value {
+    let style = planner_style(planner);
+    let [red, green, blue] = style.color.rgb;
+    json!({
+        "name": planner,
+        "color": format!("#{red:02x}{green:02x}{blue:02x}"),
+        "dash": style.dash.map_or_else(Vec::new, |dash| dash.to_vec()),
+    })
 }
 
 /// Numbers to a ten thousandth of the field, which is less than a pixel.

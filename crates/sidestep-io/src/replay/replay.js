@@ -1,4 +1,3 @@
-const data = JSON.parse(document.getElementById("data").textContent);
 const byId = (id) => document.getElementById(id);
 const make = (tag, parent, text) => {
   const element = document.createElement(tag);
@@ -6,16 +5,37 @@ const make = (tag, parent, text) => {
   parent.append(element);
   return element;
 };
-const frames = Math.max(1, ...data.runs.map((run) => run.frames.length));
-const state = { at: frames - 1, timer: 0 };
-document.title = data.title || document.title;
-byId("title").textContent = data.title;
-byId("lines").textContent = data.lines.join(" · ");
-byId("frame").max = frames - 1;
-
 const hint = make("div", document.body);
 hint.id = "hint";
-const panels = data.runs.map((run) => {
+const CHARTS = [
+  ["U, and its obstacles' part (faint)", "cost", true], ["clearance; below 0, the depth of the collision", "clearance"],
+  ["length", "length"], ["sharpest corner, degrees", "turn"],
+];
+const charts = CHARTS.map(([title, key, parts]) => {
+  const canvas = make("canvas", make("figure", byId("charts")));
+  canvas.setAttribute("role", "img");
+  canvas.setAttribute("aria-label", title + " over iterations");
+  const chart = { title, key, parts, canvas, seek: null };
+  canvas.addEventListener("click", (event) => { if (chart.seek) show(chart.seek(event.offsetX)); });
+  return chart;
+});
+const state = { at: 0, timer: 0 };
+let data = null, frames = 1, panels = [];
+
+// Shows a task and what planners did with it, in place of what was shown before.
+function openReplay(next) {
+  play(false);
+  data = next;
+  frames = Math.max(1, ...data.runs.map((run) => run.frames.length));
+  byId("title").textContent = data.title;
+  byId("lines").textContent = data.lines.join(" · ");
+  byId("frame").max = frames - 1;
+  byId("panels").replaceChildren();
+  panels = data.runs.map(panelOf);
+  show(frames - 1);
+}
+
+function panelOf(run) {
   const figure = make("figure", byId("panels")), canvas = make("canvas", figure), caption = make("figcaption", figure);
   const name = make("b", caption, run.name);
   name.style.setProperty("--color", run.color);
@@ -27,19 +47,7 @@ const panels = data.runs.map((run) => {
   canvas.addEventListener("pointermove", (event) => point(panel, event));
   canvas.addEventListener("pointerleave", () => { hint.style.display = "none"; });
   return panel;
-});
-const CHARTS = [
-  ["U, and its obstacles' part (faint)", "cost", true], ["clearance; below 0, the depth of the collision", "clearance"], ["length", "length"],
-  ["sharpest corner, degrees", "turn"],
-];
-const charts = CHARTS.map(([title, key, parts]) => {
-  const canvas = make("canvas", make("figure", byId("charts")));
-  canvas.setAttribute("role", "img");
-  canvas.setAttribute("aria-label", title + " over iterations");
-  const chart = { title, key, parts, canvas, seek: null };
-  canvas.addEventListener("click", (event) => { if (chart.seek) show(chart.seek(event.offsetX)); });
-  return chart;
-});
+}
 
 const frameOf = (run) => run.frames[Math.min(state.at, run.frames.length - 1)];
 const faint = (hex) => hex + "66";
@@ -54,6 +62,7 @@ function point(panel, event) {
 }
 
 function draw() {
+  if (!data) return;
   for (const panel of panels) {
     const { run, canvas } = panel, frame = frameOf(run);
     const last = run.frames.indexOf(frame) === run.frames.length - 1;
@@ -68,7 +77,7 @@ function draw() {
       const whole = curve((frame) => frame[chart.key], run.color);
       return chart.parts ? [curve((frame) => frame.obstacles, faint(run.color)), whole] : [whole];
     });
-    chart.seek = drawCurves(chart.canvas, chart.title, curves, state.at, frames, chart.parts);
+    chart.seek = drawCurves(chart.canvas, chart.title, curves, state.at, frames, { mayLog: chart.parts, stride: data.stride });
   }
   const table = byId("numbers");
   table.replaceChildren();
@@ -80,7 +89,7 @@ function draw() {
     const numbers = [frame.cost, frame.obstacles, frame.length, frame.clearance, frame.turn].map(short);
     for (const text of [run.name, frame.label, ...numbers, frame.free ? "certified" : "no"]) make("td", row, text);
   }
-  byId("count").textContent = `${state.at} of ${frames - 1}`;
+  byId("count").textContent = `${data.stride * state.at} of ${data.stride * (frames - 1)}`;
 }
 
 function show(at) {
@@ -105,7 +114,8 @@ byId("play").addEventListener("click", () => play(!state.timer));
 byId("frame").addEventListener("input", () => { play(false); show(Number(byId("frame").value)); });
 for (const id of ["shade", "swept"]) byId(id).addEventListener("change", draw);
 document.addEventListener("keydown", (event) => {
-  if (event.target instanceof HTMLButtonElement && event.key === " ") return;
+  if (!data) return;
+  if (event.target instanceof HTMLButtonElement && (event.key === " " || event.key === "Enter")) return;
   const jump = { ArrowLeft: state.at - 1, ArrowRight: state.at + 1, Home: 0, End: frames - 1 }[event.key];
   if (event.key === " ") play(!state.timer);
   else if (jump !== undefined) { play(false); show(jump); } else return;
@@ -113,4 +123,3 @@ document.addEventListener("keydown", (event) => {
 });
 window.addEventListener("resize", draw);
 window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
-show(frames - 1);

@@ -37,6 +37,7 @@ fn page(title: &str, planner: &str, runs: usize, frames: usize) -> String {
         epsilon: 5.0,
         shortest: None,
         runs: vec![run; runs],
+        most_frames: MOST_FRAMES,
     };
     replay.to_html(|p| p[0] - 30.0)
 }

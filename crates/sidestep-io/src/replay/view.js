@@ -243,7 +243,8 @@ function arrow(pen, view, from, to) {
 }
 
 // Curves over frames: `curves` of { values, color, dash }; with `mayLog`, a logarithmic scale where all are positive and far apart.
-function drawCurves(canvas, title, curves, at, frames, mayLog) {
+// A frame is `stride` iterations.
+function drawCurves(canvas, title, curves, at, frames, { mayLog = false, stride = 1 } = {}) {
   const { pen, width, height } = sheet(canvas, 170);
   const left = 46, right = 8, top = 22, below = 20;
   const all = curves.flatMap((curve) => curve.values).filter((v) => v !== null && Number.isFinite(v));
@@ -276,8 +277,8 @@ function drawCurves(canvas, title, curves, at, frames, mayLog) {
     pen.fillText(short(log ? Math.pow(10, v) : Math.abs(v) < 1e-9 * by ? 0 : v), left - 4, py + 4);
   }
   pen.textAlign = "center";
-  const along = Math.max(1, step(frames - 1 || 1, 6));
-  for (let i = 0; i < frames; i += along) pen.fillText(String(i), x(i), height - 5);
+  const along = Math.max(1, step(stride * (frames - 1) || 1, 6));
+  for (let i = 0; i <= stride * (frames - 1); i += along) pen.fillText(String(i), x(i / stride), height - 5);
   for (const curve of curves) {
     pen.beginPath();
     let open = false;
