@@ -12,7 +12,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Args;
-use sidestep::{Robot, World};
+use sidestep::scene::Scene;
+use sidestep::{Profile, Robot};
 use sidestep_io::input::Question;
 
 use crate::Global;
@@ -44,8 +45,8 @@ pub struct ServeArgs {
 
 /// What all clients share.
 pub struct Base {
-    /// The map without what clients add.
-    pub world: Arc<World>,
+    /// The map without what clients add, prepared for the robot with its margin.
+    pub scene: Scene,
     /// The robot itself.
     pub robot: Robot,
     /// What plans keep from everything.
@@ -63,12 +64,15 @@ pub fn run(args: &ServeArgs, global: &Global) -> Result<(), Failure> {
         ..Question::default()
     };
     let task = input::read(&args.map, &args.from, question)?.tasks.swap_remove(0);
-    let plane = task.plane()?;
-    if !(args.margin >= 0.0 && args.margin <= 1e9) {
-        return Err(Failure::at("--margin", format!("{} is not from 0 to 1e9", args.margin)));
+    let robot = task.plane()?.robot;
+    let with_margin = task.with_margin(args.margin);
+    let setting = with_margin.map_err(|error| Failure::at("--margin", error.to_string()))?.setting;
+    let scene = Scene::new(&setting, &Profile::DEFAULT);
+    // A budget for the first question would break this off, again and again.
+    if let Some(plane) = scene.plane() {
+        plane.shortest_path().prepare_bounds(&|| true);
     }
-    let base =
-        Arc::new(Base { world: plane.world.clone(), robot: plane.robot, margin: args.margin });
+    let base = Arc::new(Base { scene, robot, margin: args.margin });
     let Some(port) = args.port else {
         session(io::stdin().lock(), io::stdout(), &base);
         return Ok(());

@@ -16,7 +16,7 @@ use sidestep::plane::geometry::Point;
 use sidestep::plane::{explain, points};
 use sidestep::scene::{Query, Scene};
 use sidestep::trajectory::driving::{DrivingLimits, drive, spaced};
-use sidestep::{Obstacle, Profile, Setting, Task, Trajectory, World};
+use sidestep::{Obstacle, Task, Trajectory};
 use sidestep_io::drive::nav2_error_code;
 
 use super::Base;
@@ -71,7 +71,7 @@ struct Client<'a> {
     base: &'a Base,
     obstacles: BTreeMap<String, Obstacle>,
     /// The scene of the map with the obstacles, until one of them changes.
-    scene: Option<(Arc<Scene>, Setting, Arc<World>)>,
+    scene: Option<Arc<Scene>>,
     last: Option<Trajectory>,
 }
 
@@ -124,10 +124,10 @@ impl<'a> Client<'a> {
             }
             Request::Cancel { id } => (id, Ok(json!({ "ok": true }))),
             Request::Info { id } => {
-                let bounds = self.base.world.bounds();
+                let bounds = self.base.scene.plane().map(|plane| plane.world().bounds());
                 let answer = json!({
                     "ok": true,
-                    "bounds": [bounds.min, bounds.max],
+                    "bounds": bounds.map(|bounds| [bounds.min, bounds.max]),
                     "robot_radius": self.base.robot.radius(),
                     "margin": self.base.margin,
                     "obstacles": self.obstacles.keys().collect::<Vec<_>>(),
@@ -156,23 +156,13 @@ impl<'a> Client<'a> {
     }
 
     /// The scene of the map with the client's obstacles.
-    fn scene(&mut self) -> Result<(Arc<Scene>, Setting, Arc<World>), String> {
+    fn scene(&mut self) -> Result<Arc<Scene>, String> {
         if let Some(scene) = &self.scene {
             return Ok(scene.clone());
         }
-        let base = &self.base.world;
-        let world = if self.obstacles.is_empty() {
-            base.clone()
-        } else {
-            let every = base.obstacles().iter().chain(self.obstacles.values()).cloned().collect();
-            Arc::new(World::new(base.bounds(), every, base.grid().cloned()))
-        };
-        let end = world.bounds().min;
-        let task = Task::in_plane("", world.clone(), self.base.robot, end, end);
-        let task = task.and_then(|task| task.with_margin(self.base.margin));
-        let setting = task.map_err(|error| error.to_string())?.setting;
-        let scene = Arc::new(Scene::new(&setting, &Profile::DEFAULT));
-        Ok(self.scene.insert((scene, setting, world)).clone())
+        let obstacles: Vec<_> = self.obstacles.values().cloned().collect();
+        let scene = self.base.scene.with_obstacles(&obstacles).ok_or("not a map")?;
+        Ok(self.scene.insert(Arc::new(scene)).clone())
     }
 
     fn plan(
@@ -204,10 +194,10 @@ impl<'a> Client<'a> {
             ms => ms.map(|ms| Duration::from_secs_f64(ms / 1e3)),
         };
         let planner: Planner = planner.as_deref().unwrap_or("auto").parse().map_err(words)?;
-        let (scene, setting, world) = self.scene()?;
-        let robot = self.base.robot;
-        let own = Task::in_plane("", world, robot, *start, *goal).map_err(words)?;
-        let task = Task { setting, ..own.clone() };
+        let scene = self.scene()?;
+        let world = scene.plane().ok_or("not a map")?.world().clone();
+        let own = Task::in_plane("", world, self.base.robot, *start, *goal).map_err(words)?;
+        let task = own.with_margin(self.base.margin).map_err(words)?;
         let query = Query::new(&scene, &task).map_err(words)?;
         let wishes = Wishes::default();
         let wished = max_turn.is_some() || min_radius.is_some();

@@ -35,3 +35,6 @@ pub fn points(trajectory: &Trajectory) -> &[Point] {
         _ => &[],
     }
 }
+
+#[cfg(test)]
+mod added_tests;

@@ -10,7 +10,7 @@ use crate::plane::frame::Frame;
 use crate::plane::geometry::{Point, Rect};
 use crate::plane::sampled_check::SampledCheck;
 use crate::plane::shortest_path::ShortestPath;
-use crate::plane::world::World;
+use crate::plane::world::{Obstacle, World};
 use crate::profile::{DistanceKind, Feasibility, Profile};
 
 /// A world of more shapes than this is a map.
@@ -26,17 +26,60 @@ pub struct PlaneScene {
     frame: Frame,
     limits: [[f64; 2]; 2],
     normalised_limits: [[f32; 2]; 2],
-    field: OnceLock<Field>,
-    exact_field: OnceLock<Field>,
+    own: Arc<Prepared>,
+    /// The map's, where obstacles were added to one.
+    map: Option<Arc<Prepared>>,
     typical_clearance: OnceLock<f64>,
     sampled: Option<SampledCheck>,
+}
+
+/// What scenes of a map with more obstacles on it share with the map's own.
+#[derive(Debug)]
+struct Prepared {
     certifier: Certifier,
+    field: OnceLock<Field>,
+    exact_field: OnceLock<Field>,
     exact: OnceLock<ShortestPath>,
+}
+
+impl Prepared {
+    fn new(certifier: Certifier) -> Self {
+        let (field, exact_field, exact) = Default::default();
+        Self { certifier, field, exact_field, exact }
+    }
 }
 
 impl PlaneScene {
     /// Prepares the checks.
     pub fn new(world: &Arc<World>, robot: Robot, profile: &Profile) -> Self {
+        let own = Arc::new(Prepared::new(Certifier::new(world, robot)));
+        Self::of(world, robot, profile, own, None)
+    }
+
+    /// The scene with more obstacles. What this scene has prepared, or prepares later, of its own world is shared, so that they
+    /// cost what they cost and not what the world costs.
+    pub fn with_obstacles(&self, more: &[Obstacle]) -> Self {
+        let obstacles = [self.world.obstacles(), more].concat();
+        let bounds = self.world.bounds();
+        let world = Arc::new(World::new(bounds, obstacles, self.world.grid().cloned()));
+        let map = self.map.as_ref().unwrap_or(&self.own);
+        match map.certifier.over(&world, self.robot) {
+            Some(certifier) => {
+                let own = Arc::new(Prepared::new(certifier));
+                Self::of(&world, self.robot, &self.profile, own, Some(map.clone()))
+            }
+            // Their coordinates ask for another tolerance.
+            None => Self::new(&world, self.robot, &self.profile),
+        }
+    }
+
+    fn of(
+        world: &Arc<World>,
+        robot: Robot,
+        profile: &Profile,
+        own: Arc<Prepared>,
+        map: Option<Arc<Prepared>>,
+    ) -> Self {
         let frame = Frame::new(profile, world.bounds());
         let sampled = match profile.feasibility {
             Feasibility::Sampled { substeps } => {
@@ -44,8 +87,7 @@ impl PlaneScene {
             }
             Feasibility::Exact => None,
         };
-        let certifier = Certifier::new(world, robot);
-        let Rect { min, max } = certifier.bounds();
+        let Rect { min, max } = own.certifier.bounds();
         let size = world.bounds().size();
         Self {
             world: world.clone(),
@@ -54,12 +96,10 @@ impl PlaneScene {
             frame,
             limits: [0, 1].map(|axis| [min[axis], max[axis]]),
             normalised_limits: size.map(|side| [0.0, (side / frame.scale) as f32]),
-            field: OnceLock::new(),
-            exact_field: OnceLock::new(),
+            own,
+            map,
             typical_clearance: OnceLock::new(),
             sampled,
-            certifier,
-            exact: OnceLock::new(),
         }
     }
 
@@ -95,28 +135,52 @@ impl PlaneScene {
 
     /// The signed distance field.
     pub fn field(&self) -> &Field {
-        self.field.get_or_init(|| Field::new(&self.world, self.robot, &self.profile))
+        self.field_while(&|| true).expect("nobody breaks off")
     }
 
     /// Prepares the field, unless `go_on` becomes false meanwhile; whether it is prepared.
     pub fn prepare_field(&self, go_on: &(dyn Fn() -> bool + Sync)) -> bool {
-        if self.field.get().is_none()
-            && let Some(field) = Field::new_while(&self.world, self.robot, &self.profile, go_on)
-        {
-            // Whoever was first keeps its own, which is the same.
-            let _ = self.field.set(field);
+        self.field_while(go_on).is_some()
+    }
+
+    fn field_while(&self, go_on: &(dyn Fn() -> bool + Sync)) -> Option<&Field> {
+        match self.profile.distance {
+            DistanceKind::Exact => self.exact_field_while(|prepared| &prepared.field, go_on),
+            DistanceKind::PaperImage => {
+                let new = || Field::new_while(&self.world, self.robot, &self.profile, go_on);
+                once(&self.own.field, new)
+            }
         }
-        self.field.get().is_some()
     }
 
     /// The exact signed distance field, whatever the profile's own is.
     pub fn exact_field(&self) -> &Field {
         match self.profile.distance {
             DistanceKind::Exact => self.field(),
-            DistanceKind::PaperImage => {
-                self.exact_field.get_or_init(|| Field::exact(&self.world, self.robot, &self.frame))
-            }
+            DistanceKind::PaperImage => self
+                .exact_field_while(|prepared| &prepared.exact_field, &|| true)
+                .expect("nobody breaks off"),
         }
+    }
+
+    fn exact_field_while(
+        &self,
+        of: impl Fn(&Prepared) -> &OnceLock<Field>,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Option<&Field> {
+        once(of(&self.own), || {
+            let Some(map) = &self.map else {
+                return Field::exact_while(&self.world, self.robot, &self.frame, go_on);
+            };
+            let known = map.certifier.obstacles().len();
+            let (obstacles, bounds) = (self.world.obstacles(), self.world.bounds());
+            let whole = || {
+                let grid = self.world.grid().cloned();
+                let world = World::new(bounds, obstacles[..known].to_vec(), grid);
+                Field::exact_while(&world, self.robot, &self.frame, go_on)
+            };
+            once(of(map), whole)?.with(&obstacles[known..], &self.frame, go_on)
+        })
     }
 
     /// Half the width of a typical passage: the median distance over the free space, in normalised
@@ -148,20 +212,23 @@ impl PlaneScene {
 
     /// The exact search; what it prepares is shared by all that ask for it.
     pub fn shortest_path(&self) -> ShortestPath {
-        self.exact.get_or_init(|| ShortestPath::of(self.certifier.clone())).clone()
+        self.shortest_path_while(&|| true).expect("nobody breaks off")
     }
 
     /// [`PlaneScene::shortest_path`]; none where `go_on` becomes false while it is prepared.
     pub fn shortest_path_while(&self, go_on: &dyn Fn() -> bool) -> Option<ShortestPath> {
-        if self.exact.get().is_none() {
-            let _ = self.exact.set(ShortestPath::of_while(self.certifier.clone(), go_on)?);
-        }
-        self.exact.get().cloned()
+        let certifier = || self.own.certifier.clone();
+        let exact = once(&self.own.exact, || match &self.map {
+            None => ShortestPath::of_while(certifier(), go_on),
+            Some(map) => once(&map.exact, || ShortestPath::of_while(map.certifier.clone(), go_on))?
+                .over_while(certifier(), go_on),
+        });
+        exact.cloned()
     }
 
     /// The exact certificate.
     pub fn certifier(&self) -> &Certifier {
-        &self.certifier
+        &self.own.certifier
     }
 
     /// The profile's check by samples; none where feasible means certified.
@@ -185,7 +252,7 @@ impl PlaneScene {
             Some(free) => {
                 for (segment, free) in free.iter_mut().enumerate() {
                     let to = to(segment);
-                    *free = self.certifier.segment_is_free(from, to);
+                    *free = self.own.certifier.segment_is_free(from, to);
                     all &= *free;
                     from = to;
                 }
@@ -193,7 +260,7 @@ impl PlaneScene {
             None => {
                 for segment in 0..=waypoints.len() {
                     let to = to(segment);
-                    if !self.certifier.segment_is_free(from, to) {
+                    if !self.own.certifier.segment_is_free(from, to) {
                         return false;
                     }
                     from = to;
@@ -237,6 +304,14 @@ impl PlaneScene {
             }
         }
     }
+}
+
+/// What is prepared once, unless it is broken off. Whoever is first keeps its own, which is the same.
+fn once<T>(cell: &OnceLock<T>, new: impl FnOnce() -> Option<T>) -> Option<&T> {
+    if cell.get().is_none() {
+        let _ = cell.set(new()?);
+    }
+    cell.get()
 }
 
 /// One question in the plane as a policy sees it: the scene, and the ends of trajectories of so many waypoints, in normalised

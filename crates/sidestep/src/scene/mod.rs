@@ -23,6 +23,7 @@ pub use task::{Setting, Task};
 use crate::arm::ArmScene;
 use crate::kernels::Block;
 use crate::plane::shortest_path::{Doubt, Route};
+use crate::plane::world::Obstacle;
 use crate::plane::{PlaneScene, points};
 use crate::profile::Profile;
 use crate::trajectory::{Trajectory, Violation};
@@ -69,6 +70,12 @@ impl Scene {
     /// The scene of a task.
     pub fn of(task: &Task, profile: &Profile) -> Self {
         Self::new(&task.setting, profile)
+    }
+
+    /// The scene of a robot in the plane with more obstacles; what this one prepares of its world is shared, so that they cost
+    /// what they cost. The world with them is the new scene's. None for robots with joints.
+    pub fn with_obstacles(&self, more: &[Obstacle]) -> Option<Self> {
+        Some(Self::Plane(self.plane()?.with_obstacles(more)))
     }
 
     /// The scene in the plane, where it is one.

@@ -23,8 +23,8 @@ pub(crate) struct Buckets {
 }
 
 impl Buckets {
-    /// Sorts shapes, given by their grown bounding boxes, into buckets that cover `bounds`.
-    pub(crate) fn new(bounds: Rect, boxes: &[Rect]) -> Self {
+    /// Sorts shapes, given by their grown bounding boxes, into buckets that cover `bounds`; their indices count from `first`.
+    pub(crate) fn new(bounds: Rect, boxes: &[Rect], first: usize) -> Self {
         let mut per_axis = (boxes.len() as f64).sqrt().ceil().clamp(1.0, 256.0) as usize;
         per_axis = per_axis.min(MOST_PER_AXIS);
         loop {
@@ -38,7 +38,7 @@ impl Buckets {
             };
             let total = buckets.count(boxes);
             if per_axis == 1 || total <= MOST_ENTRIES_PER_SHAPE * boxes.len() {
-                buckets.fill(boxes);
+                buckets.fill(boxes, first as u32);
                 return buckets;
             }
             per_axis = per_axis.div_ceil(2);
@@ -64,9 +64,9 @@ impl Buckets {
             .sum()
     }
 
-    fn fill(&mut self, boxes: &[Rect]) {
+    fn fill(&mut self, boxes: &[Rect], first: u32) {
         let mut lists = vec![Vec::new(); self.per_axis * self.per_axis];
-        for (shape, rect) in (0_u32..).zip(boxes) {
+        for (shape, rect) in (first..).zip(boxes) {
             let [columns, rows] = self.span(rect);
             for row in rows.0..=rows.1 {
                 for column in columns.0..=columns.1 {

@@ -19,6 +19,8 @@ mod distance;
 mod near;
 
 use boxes::Boxes;
+use std::sync::Arc;
+
 use buckets::Buckets;
 pub(crate) use cells::{Cells, Growth};
 pub(crate) use distance::segment_obstacle_distance;
@@ -46,9 +48,12 @@ pub struct Certifier {
     margin: f64,
     obstacles: Vec<Obstacle>,
     boxes: Boxes,
-    /// Indices of the shapes that are not in `boxes`, where there are no buckets.
+    /// Indices of the shapes that are neither in `boxes` nor in buckets.
     others: Vec<usize>,
-    buckets: Option<Buckets>,
+    /// Those of a map, and those of shapes that were added to it, where these are many.
+    buckets: Vec<Arc<Buckets>>,
+    /// How many shapes, the first ones, are in buckets.
+    sorted: usize,
     cells: Option<Cells>,
 }
 
@@ -75,32 +80,52 @@ impl Certifier {
         cells: Option<Cells>,
     ) -> Self {
         let margin = radius + tolerance;
-        let few = obstacles.len() <= MOST_WITHOUT_BUCKETS;
-        let (mut rects, mut others) = (Vec::with_capacity(obstacles.len()), Vec::new());
-        for (index, obstacle) in obstacles.iter().enumerate().filter(|_| few) {
-            match obstacle {
-                Obstacle::Rect(rect) => rects.push(*rect),
-                _ => others.push(index),
-            }
-        }
-        let buckets = (!few).then(|| {
-            let grown: Vec<_> =
-                obstacles.iter().map(|shape| shape.bounding_box().inflated(margin)).collect();
-            Buckets::new(bounds, &grown)
-        });
-        let boxes = Boxes::new(rects, margin, radius > 0.0);
-        Self {
+        let nothing = Self {
             inside: bounds,
             bounds,
             radius,
             tolerance,
             margin,
-            obstacles,
-            boxes,
-            others,
-            buckets,
+            obstacles: Vec::new(),
+            boxes: Boxes::new(Vec::new(), margin, radius > 0.0),
+            others: Vec::new(),
+            buckets: Vec::new(),
+            sorted: 0,
             cells,
+        };
+        nothing.with(&obstacles)
+    }
+
+    /// The certifier of the same robot in `world`, which is the certifier's with more obstacles behind its own: what it adds
+    /// costs what these cost. None where their coordinates ask for another tolerance.
+    pub(crate) fn over(&self, world: &World, robot: Robot) -> Option<Self> {
+        let Near { obstacles, tolerance } = Near::new(world, robot);
+        (tolerance == self.tolerance).then(|| self.with(&obstacles[self.obstacles.len()..]))
+    }
+
+    /// The same with more obstacles, as they are.
+    pub(crate) fn with(&self, more: &[Obstacle]) -> Self {
+        let obstacles = [&self.obstacles[..], more].concat();
+        let mut buckets = self.buckets.clone();
+        // What is sorted stays so; a few more are faster met one by one.
+        let mut sorted = self.sorted;
+        let few = obstacles.len() - sorted <= MOST_WITHOUT_BUCKETS;
+        let (mut rects, mut others) = (Vec::new(), Vec::new());
+        if few {
+            for (index, obstacle) in obstacles.iter().enumerate().skip(sorted) {
+                match obstacle {
+                    Obstacle::Rect(rect) => rects.push(*rect),
+                    _ => others.push(index),
+                }
+            }
+        } else {
+            let grown = |shape: &Obstacle| shape.bounding_box().inflated(self.margin);
+            let grown: Vec<_> = obstacles[sorted..].iter().map(grown).collect();
+            buckets.push(Arc::new(Buckets::new(self.bounds, &grown, sorted)));
+            sorted = obstacles.len();
         }
+        let boxes = Boxes::new(rects, self.margin, self.radius > 0.0);
+        Self { obstacles, boxes, others, buckets, sorted, cells: self.cells.clone(), ..*self }
     }
 
     /// The robot's radius.
@@ -231,7 +256,7 @@ impl Certifier {
     fn segment_avoids_obstacles(&self, a: Point, b: Point) -> bool {
         self.boxes.segment_is_free(a, b)
             && (self.others.is_empty() || !self.others.iter().any(|&index| self.hits(index, a, b)))
-            && self.buckets.as_ref().is_none_or(|near| !near.any_near(a, b, |i| self.hits(i, a, b)))
+            && !self.buckets.iter().any(|near| near.any_near(a, b, |i| self.hits(i, a, b)))
             && self.cells.as_ref().is_none_or(|cells| cells.segment_is_free(a, b))
     }
 

@@ -12,10 +12,12 @@ mod segments;
 mod shapes;
 mod transform;
 
+use std::sync::Arc;
+
 use crate::kernels::{Isa, dispatch};
 use crate::plane::Robot;
 use crate::plane::frame::Frame;
-use crate::plane::world::World;
+use crate::plane::world::{Obstacle, World};
 use crate::profile::{DistanceKind, Profile};
 
 pub use image::{ImageField, Interpolation};
@@ -42,8 +44,10 @@ pub(crate) struct Samples<'a> {
 /// The distance field of a world for a robot.
 #[derive(Debug, Clone)]
 pub struct Field {
-    shapes: Option<ShapeField>,
-    image: Option<ImageField>,
+    shapes: Option<Arc<ShapeField>>,
+    /// Shapes that were added to a field of shapes.
+    more: Option<Arc<ShapeField>>,
+    image: Option<Arc<ImageField>>,
     /// Normalised `[min_x, min_y, max_x, max_y]` of the bounds, where walls are not in the image.
     walls: Option<[f32; 4]>,
     radius: f32,
@@ -66,7 +70,8 @@ impl Field {
         match profile.distance {
             DistanceKind::PaperImage => Some(Self {
                 shapes: None,
-                image: Some(ImageField::paper(world, &frame)),
+                more: None,
+                image: Some(Arc::new(ImageField::paper(world, &frame))),
                 walls: None,
                 radius: (robot.radius() / frame.scale) as f32,
             }),
@@ -91,18 +96,40 @@ impl Field {
         let obstacles = world.obstacles();
         let shapes = match obstacles {
             [] => None,
-            _ => Some(ShapeField::new(obstacles, frame, [max_x - min_x, max_y - min_y], go_on)?),
+            _ => {
+                let size = [max_x - min_x, max_y - min_y];
+                Some(Arc::new(ShapeField::new(obstacles, frame, size, go_on)?))
+            }
         };
         let image = match world.grid().filter(|grid| grid.cells().contains(&true)) {
             None => None,
-            Some(grid) => Some(ImageField::grid(grid, frame, go_on)?),
+            Some(grid) => Some(Arc::new(ImageField::grid(grid, frame, go_on)?)),
         };
         Some(Self {
             shapes,
+            more: None,
             image,
             walls: Some([min_x, min_y, max_x, max_y]),
             radius: (robot.radius() / frame.scale) as f32,
         })
+    }
+
+    /// An exact field's with more obstacles, in the same `frame`; what was prepared is shared. Inside what lies in shapes of both
+    /// kinds, the distance is that of the deeper one alone. None once `go_on` is false.
+    pub fn with(
+        &self,
+        more: &[Obstacle],
+        frame: &Frame,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
+        let mut field = self.clone();
+        if !more.is_empty() {
+            let [min_x, min_y, max_x, max_y] = self.walls.unwrap_or_default();
+            let size = [max_x - min_x, max_y - min_y];
+            let added = Some(Arc::new(ShapeField::new(more, frame, size, go_on)?));
+            if field.shapes.is_none() { field.shapes = added } else { field.more = added }
+        }
+        Some(field)
     }
 
     /// Signed distance of the robot's body at one point and its gradient (both unquirked), in
@@ -154,6 +181,9 @@ impl Field {
                 merge_image(image, x, y, out);
             }
         }
+        if let Some(more) = &self.more {
+            more.merge(x, y, out);
+        }
         if let Some(walls) = self.walls {
             merge_walls(walls, x, y, out);
         }
@@ -176,6 +206,9 @@ impl Field {
         match &self.shapes {
             Some(shapes) => shapes.probe(x, y, out),
             None => out.fill(f32::INFINITY),
+        }
+        if let Some(more) = &self.more {
+            more.probe_nearer(x, y, out);
         }
         if let Some(image) = &self.image {
             for i in 0..x.len() {

@@ -136,6 +136,34 @@ impl ShapeField {
         }
     }
 
+    /// Keeps the nearer of what `out` holds and these shapes.
+    #[inline(always)]
+    pub(crate) fn merge(&self, x: &[f32], y: &[f32], out: &mut Samples<'_>) {
+        let blocks = x.as_chunks::<LANES>().0.iter().zip(y.as_chunks::<LANES>().0);
+        for (block, (px, py)) in blocks.enumerate() {
+            let (distance, gradient_x, gradient_y) = self.sample_block(px, py);
+            for l in 0..LANES {
+                let i = block * LANES + l;
+                if distance[l] < out.distance[i] {
+                    out.distance[i] = distance[l];
+                    (out.gradient_x[i], out.gradient_y[i]) = (gradient_x[l], gradient_y[l]);
+                }
+            }
+        }
+    }
+
+    /// Keeps the nearer of what `out` holds and [`ShapeField::probe`].
+    #[inline(always)]
+    pub(crate) fn probe_nearer(&self, x: &[f32], y: &[f32], out: &mut [f32]) {
+        let blocks = x.as_chunks::<LANES>().0.iter().zip(y.as_chunks::<LANES>().0);
+        for ((x, y), out) in blocks.zip(out.as_chunks_mut::<LANES>().0) {
+            let distance = self.probe_block(x, y);
+            for l in 0..LANES {
+                out[l] = out[l].min(distance[l]);
+            }
+        }
+    }
+
     /// Signed distances by the least over the shapes: exact outside the union, and inside a single shape; where shapes
     /// overlap it is less deep than the union. Slices have equal length, a multiple of [`LANES`].
     #[inline(always)]

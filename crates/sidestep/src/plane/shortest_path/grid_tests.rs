@@ -61,9 +61,9 @@ fn sight_and_rules_lose_nothing_on_grids() {
         let grid = map.grid().unwrap();
         let robot = Robot::disc([0.0, 0.2, 0.45][index % 3]).unwrap();
         let mut query = ShortestPath::new(&map, robot);
-        assert!(query.outside.sight.is_some());
+        assert!(query.layers.outside.sight.is_some());
         let mut blind = query.clone();
-        Arc::make_mut(&mut blind.outside).sight = None;
+        Arc::make_mut(&mut blind.layers.outside).sight = None;
         for _ in 0..6 {
             let mut cell = || (rng.random_range(0..40_i64), rng.random_range(0..40_i64));
             let (from, to) = (cell(), cell());
@@ -82,7 +82,7 @@ fn sight_and_rules_lose_nothing_on_grids() {
                 (Some(a), Some(b)) => assert!((a - b).abs() < 1e-6, "{index}: {a} {b}"),
                 (a, b) => assert_eq!(a, b, "{index}"),
             }
-            if let Some(full) = reference(&query.outside, start, goal) {
+            if let Some(full) = reference(&query.layers.outside, start, goal) {
                 assert!((full - known.length().unwrap()).abs() < 1e-6);
             }
             if robot == Robot::Point {
@@ -118,7 +118,7 @@ proptest! {
             .collect();
         let mut query = ShortestPath::new(&world(shapes), Robot::disc(radius).unwrap());
         let mut blind = query.clone();
-        Arc::make_mut(&mut blind.outside).sight = None;
+        Arc::make_mut(&mut blind.layers.outside).sight = None;
         for _ in 0..3 {
             let [start, goal] = [0, 1].map(|_| [draw(4, 124), draw(4, 124)]);
             let (there, back) = (query.find(start, goal), query.find(goal, start));

@@ -47,11 +47,35 @@ const MOST_CHECKS: usize = 4_000_000;
 /// buffers of their own, one for each thread.
 #[derive(Debug, Clone)]
 pub struct ShortestPath {
+    layers: Layers,
+    /// Those of the map, where shapes were added to one.
+    map: Option<Box<Layers>>,
+    is_exact: bool,
+    workspace: Workspace,
+}
+
+/// What is shared by clones.
+#[derive(Debug, Clone)]
+struct Layers {
     outside: Arc<Layer>,
     /// The lower bound's corners, from the first query that needs them; none where exact.
     inside: Arc<OnceLock<Layer>>,
-    is_exact: bool,
-    workspace: Workspace,
+}
+
+impl Layers {
+    /// The layer of lower bounds, made where there is none yet, on the `map`'s; none once `go_on` is false.
+    fn inside(&self, map: Option<&Self>, go_on: &dyn Fn() -> bool) -> Option<&Layer> {
+        if self.inside.get().is_none() {
+            let known = match map {
+                Some(map) => Some(map.inside(None, go_on)?),
+                None => None,
+            };
+            let layer = Layer::inside(&self.outside.certifier, ARCS, known, go_on)?;
+            // Whoever was first keeps its own, which is the same.
+            let _ = self.inside.set(layer);
+        }
+        self.inside.get()
+    }
 }
 
 impl ShortestPath {
@@ -68,14 +92,35 @@ impl ShortestPath {
     /// [`ShortestPath::of`] that is broken off, with nothing, once `go_on` is false.
     pub fn of_while(certifier: Certifier, go_on: &dyn Fn() -> bool) -> Option<Self> {
         let is_exact = Layer::is_exact(&certifier);
-        let outside = Arc::new(Layer::outside(certifier, ARCS, go_on)?);
-        let workspace = Workspace::default();
-        Some(Self { outside, inside: Arc::default(), is_exact, workspace })
+        let outside = Arc::new(Layer::outside(certifier, ARCS, None, go_on)?);
+        let layers = Layers { outside, inside: Arc::default() };
+        Some(Self { layers, map: None, is_exact, workspace: Workspace::default() })
+    }
+
+    /// Prepares the queries in this one's world with more obstacles; `certifier` is this one's [`over`](Certifier::over) that
+    /// world. What was prepared of the map is shared. None once `go_on` is false.
+    pub(crate) fn over_while(
+        &self,
+        certifier: Certifier,
+        go_on: &dyn Fn() -> bool,
+    ) -> Option<Self> {
+        let is_exact = Layer::is_exact(&certifier);
+        let map = self.map.as_deref().unwrap_or(&self.layers);
+        let outside = Arc::new(Layer::outside(certifier, ARCS, Some(&map.outside), go_on)?);
+        let layers = Layers { outside, inside: Arc::default() };
+        let map = Some(Box::new(map.clone()));
+        Some(Self { layers, map, is_exact, workspace: Workspace::default() })
+    }
+
+    /// Prepares what bounds paths from below and proves that there is none, which the first query that needs it would
+    /// prepare; whether it did before `go_on` was false.
+    pub fn prepare_bounds(&self, go_on: &dyn Fn() -> bool) -> bool {
+        self.layers.inside(self.map.as_deref(), go_on).is_some()
     }
 
     /// The certifier of the same world and robot.
     pub fn certifier(&self) -> &Certifier {
-        &self.outside.certifier
+        &self.layers.outside.certifier
     }
 
     /// A shortest path between two positions of the robot, certified.
@@ -88,7 +133,7 @@ impl ShortestPath {
     /// [`ShortestPath::find`] that is broken off ([`Doubt::BrokenOff`]) once `go_on` is false. It is asked every few microseconds.
     pub fn find_while(&mut self, start: Point, goal: Point, go_on: &dyn Fn() -> bool) -> Route {
         let limits = Limits { checks: MOST_CHECKS, go_on };
-        let certifier = &self.outside.certifier;
+        let certifier = &self.layers.outside.certifier;
         if !(certifier.point_is_free(start) && certifier.point_is_free(goal)) {
             let ends = Trajectory::from_points(&[start, goal]);
             if let Err(violation) = certifier.check(&ends) {
@@ -100,15 +145,16 @@ impl ShortestPath {
             let trajectory = Trajectory::from_points(&[start, goal]);
             return Route::Found { trajectory, length, lower_bound: length };
         }
-        if let Some(sight) = &self.outside.sight
+        if let Some(sight) = &self.layers.outside.sight
             && let (Some(a), Some(b)) = (sight.part(start), sight.part(goal))
             && a != b
         {
             return Route::Unsolvable(Proof::Disconnected);
         }
         let workspace = &mut self.workspace;
-        let outer = workspace.search(&self.outside, start, goal, true, limits);
-        let trajectory = || Trajectory::from_points(&workspace.path(&self.outside, start, goal));
+        let outer = workspace.search(&self.layers.outside, start, goal, true, limits);
+        let trajectory =
+            || Trajectory::from_points(&workspace.path(&self.layers.outside, start, goal));
         match outer {
             Ending::OutOfWork => Route::Undecided(Doubt::OutOfWork { checks: MOST_CHECKS }),
             Ending::BrokenOff => Route::Undecided(Doubt::BrokenOff),
@@ -119,8 +165,19 @@ impl ShortestPath {
                 let found = (trajectory(), length);
                 self.bound([start, goal], Some(found), limits)
             }
+            // Shapes that close the way are often wide enough for a proof that takes no second search.
+            Ending::Exhausted if self.is_cut(start, goal) => Route::Unsolvable(Proof::Disconnected),
             Ending::Exhausted => self.bound([start, goal], None, limits),
         }
+    }
+
+    /// Whether what was added to the map cuts it between two points, as far as cells can tell.
+    fn is_cut(&self, start: Point, goal: Point) -> bool {
+        let (Some(map), Some(sight)) = (&self.map, &self.layers.outside.sight) else {
+            return false;
+        };
+        let known = map.outside.certifier.obstacles().len();
+        sight.is_cut(&self.layers.outside.certifier, known, [start, goal])
     }
 
     /// Bounds a path from below, or decides whether there is one, by the approximation from inside; both
@@ -137,14 +194,9 @@ impl ShortestPath {
         loop {
             let fresh;
             let inside = if arcs == ARCS {
-                if self.inside.get().is_none()
-                    && let Some(layer) = Layer::inside(&self.outside.certifier, arcs, limits.go_on)
-                {
-                    let _ = self.inside.set(layer);
-                }
-                self.inside.get()
+                self.layers.inside(self.map.as_deref(), limits.go_on)
             } else {
-                fresh = Layer::inside(&self.outside.certifier, arcs, limits.go_on);
+                fresh = Layer::inside(&self.layers.outside.certifier, arcs, None, limits.go_on);
                 fresh.as_ref()
             };
             let Some(inside) = inside else { return broken_off(found, lower_bound) };
@@ -175,9 +227,9 @@ impl ShortestPath {
             if found.is_none()
                 && arcs == ARCS
                 && let Ending::Found(length) =
-                    workspace.search(&self.outside, start, goal, false, limits)
+                    workspace.search(&self.layers.outside, start, goal, false, limits)
             {
-                let points = workspace.path(&self.outside, start, goal);
+                let points = workspace.path(&self.layers.outside, start, goal);
                 let trajectory = Trajectory::from_points(&points);
                 if self.is_exact {
                     return Route::Found { trajectory, length, lower_bound: length };
@@ -189,8 +241,8 @@ impl ShortestPath {
                 return Route::Undecided(Doubt::NarrowPassage { lower_bound });
             }
             arcs *= 2;
-            let certifier = self.outside.certifier.clone();
-            let Some(outside) = Layer::outside(certifier, arcs, limits.go_on) else {
+            let certifier = self.layers.outside.certifier.clone();
+            let Some(outside) = Layer::outside(certifier, arcs, None, limits.go_on) else {
                 return broken_off(found, lower_bound);
             };
             let outer = workspace.search(&outside, start, goal, true, limits);

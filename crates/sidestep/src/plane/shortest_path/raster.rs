@@ -52,19 +52,22 @@ impl Raster {
             if cells.is_finite() && cells >= 1.0 { cells as usize } else { 1 }
         };
         let mut raster = Self { blocked: BitGrid::new(count(0), count(1)), origin, resolution };
-        // Half a tolerance less than what is refused, for rounding.
-        let hair = 0.5 * certifier.tolerance();
         for obstacle in certifier.obstacles() {
             if !go_on() {
                 return None;
             }
-            raster.block(obstacle, certifier.margin() - hair);
+            raster.block_near(obstacle, certifier);
         }
         if let Some(cells) = aligned {
-            let margin = (cells.sure_margin() - hair).max(0.0);
+            let margin = (cells.sure_margin() - hair(certifier)).max(0.0);
             raster.block_cells(cells.bits(), first.map(|index| index as i64), margin);
         }
         Some(raster)
+    }
+
+    /// Blocks the cells that no path can enter because of an obstacle.
+    pub(crate) fn block_near(&mut self, obstacle: &Obstacle, certifier: &Certifier) {
+        self.block(obstacle, certifier.margin() - hair(certifier));
     }
 
     /// Number of columns.
@@ -133,6 +136,11 @@ impl Raster {
             }
         }
     }
+}
+
+/// Half a tolerance: so much less than what is refused is blocked, for rounding.
+fn hair(certifier: &Certifier) -> f64 {
+    0.5 * certifier.tolerance()
 }
 
 /// The part of the horizontal line at `y` that lies within `margin` of the shape; for polygons, of

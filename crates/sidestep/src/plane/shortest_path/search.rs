@@ -160,7 +160,7 @@ impl Workspace {
         pruned: bool,
         limits: Limits<'_>,
     ) -> Ending {
-        let n = layer.corners.len();
+        let n = layer.len();
         let (start_node, goal_node) = (n, n + 1);
         let ends_in_band = [start, goal]
             .map(|end| layer.band > 0.0 && layer.certifier.clearance_of(&[end]) <= layer.band);
@@ -173,7 +173,7 @@ impl Workspace {
         let position = |node: usize| match node {
             _ if node == start_node => start,
             _ if node == goal_node => goal,
-            _ => layer.corners[node].at,
+            _ => layer.corner(node).at,
         };
         self.cost[start_node] = 0.0;
         let mut node = start_node;
@@ -218,11 +218,11 @@ impl Workspace {
         ends_in_band: [bool; 2],
     ) {
         let at = arrival[1];
-        let n = layer.corners.len();
+        let n = layer.len();
         let slack = layer.slack;
         let base = self.cost[node];
         let taut = (pruned && node < n)
-            .then(|| Taut::new(layer.corners[node], sub(at, arrival[0]), slack))
+            .then(|| Taut::new(*layer.corner(node), sub(at, arrival[0]), slack))
             .flatten();
         let Self { cost, queue, sight, .. } = self;
         let leads_on =
@@ -236,7 +236,7 @@ impl Workspace {
         // Between an arc and its polygon the rules do not hold.
         let is_inside_band = ends_in_band[0] && node == n;
         let mut consider = |to: usize| {
-            let corner = &layer.corners[to];
+            let corner = layer.corner(to);
             let step = sub(corner.at, at);
             let length = norm(step);
             let total = base + length;
@@ -252,17 +252,19 @@ impl Workspace {
         };
         match &layer.sight {
             None => (0..n).for_each(consider),
-            Some(view) => view.visit(sight, at, taut.map(|t| t.cone()), &mut consider),
+            Some(view) => {
+                view.visit(sight, &layer.more_rows, at, taut.map(|t| t.cone()), &mut consider)
+            }
         }
     }
 
     /// The points from start to goal that the last search found, in order.
     pub(crate) fn path(&self, layer: &Layer, start: Point, goal: Point) -> Vec<Point> {
-        let n = layer.corners.len();
+        let n = layer.len();
         let mut points = vec![goal];
         let mut node = self.parent[n + 1] as usize;
         while node != n {
-            points.push(layer.corners[node].at);
+            points.push(layer.corner(node).at);
             node = self.parent[node] as usize;
         }
         points.push(start);

@@ -31,6 +31,29 @@ pub(crate) struct Sight {
     hair: f64,
 }
 
+/// Corners that are not the map's, where the walk over the map meets them: row and column of each, ascending.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct MoreCorners {
+    places: Vec<(usize, f64)>,
+    /// The number of the first one.
+    first: usize,
+}
+
+impl MoreCorners {
+    /// Visits those of a row between two columns.
+    fn visit_row(&self, row: usize, left: f64, right: f64, visit: &mut impl FnMut(usize)) {
+        let outside = |&(first, _): &(usize, f64)| row < first;
+        if self.places.first().is_none_or(outside) || self.places.last().is_some_and(|l| l.0 < row)
+        {
+            return;
+        }
+        let begin = self.places.partition_point(|&place| place < (row, left));
+        let seen = |&&place: &&(usize, f64)| place <= (row, right);
+        let count = self.places[begin..].iter().take_while(seen).count();
+        (self.first + begin..self.first + begin + count).for_each(visit);
+    }
+}
+
 /// Fans still to be followed.
 pub(crate) type Stack = Vec<Fan>;
 
@@ -62,15 +85,56 @@ impl Sight {
             row_corners[row + 1] += row_corners[row];
         }
         let columns = corners.iter().map(|corner| raster.local(corner.at)[0]).collect();
-        let (mut all, mut row_runs) = (Vec::new(), vec![0]);
-        for row in 0..height {
-            let open = runs(raster.blocked.row(row), raster.width(), 0);
-            all.extend(open.map(|(begin, end)| (begin as u32, end as u32)));
-            row_runs.push(all.len() as u32);
-        }
-        let parts = connect(&all, &row_runs);
         let hair = 0.5 * certifier.tolerance() / raster.resolution;
-        Some(Self { raster, runs: all, row_runs, parts, columns, row_corners, hair })
+        let (runs, row_runs, parts) = Default::default();
+        let sight = Self { raster, runs, row_runs, parts, columns, row_corners, hair };
+        Some(sight.with_runs())
+    }
+
+    /// With the open runs of the raster and their parts.
+    fn with_runs(mut self) -> Self {
+        self.runs.clear();
+        self.row_runs.clear();
+        self.row_runs.push(0);
+        for row in 0..self.raster.height() {
+            let open = runs(self.raster.blocked.row(row), self.raster.width(), 0);
+            self.runs.extend(open.map(|(begin, end)| (begin as u32, end as u32)));
+            self.row_runs.push(self.runs.len() as u32);
+        }
+        self.parts = connect(&self.runs, &self.row_runs);
+        self
+    }
+
+    /// Whether the certifier's obstacles from number `known` on leave the open cells of two points unconnected.
+    pub(crate) fn is_cut(&self, certifier: &Certifier, known: usize, ends: [Point; 2]) -> bool {
+        let (columns, row_corners) = Default::default();
+        let (raster, runs, row_runs) = (self.raster.clone(), Vec::new(), Vec::new());
+        let mut cut = Self {
+            raster,
+            runs,
+            row_runs,
+            parts: Vec::new(),
+            columns,
+            row_corners,
+            hair: self.hair,
+        };
+        for obstacle in &certifier.obstacles()[known..] {
+            cut.raster.block_near(obstacle, certifier);
+        }
+        let cut = cut.with_runs();
+        let [from, to] = ends.map(|end| cut.part(end));
+        from.is_some() && to.is_some() && from != to
+    }
+
+    /// Corners beside those that the walk was prepared for, which get their order.
+    pub(crate) fn more(&self, corners: &mut [Corner]) -> MoreCorners {
+        let place = |corner: &Corner| {
+            let [x, y] = self.raster.local(corner.at);
+            (Raster::index(y, self.raster.height()), x)
+        };
+        let order = |a: (usize, f64), b: (usize, f64)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
+        corners.sort_by(|a, b| order(place(a), place(b)));
+        MoreCorners { places: corners.iter().map(place).collect(), first: self.columns.len() }
     }
 
     /// Calls `visit` with every corner that may be seen from `at`, some of them twice; with a `cone`
@@ -78,6 +142,7 @@ impl Sight {
     pub(crate) fn visit(
         &self,
         stack: &mut Stack,
+        more: &MoreCorners,
         at: Point,
         cone: Option<(f64, f64)>,
         visit: &mut impl FnMut(usize),
@@ -93,6 +158,7 @@ impl Sight {
             for run in self.runs_near(row, x, x) {
                 let (begin, end) = self.ends(run);
                 self.visit_row(row, begin, end, visit);
+                more.visit_row(row, begin, end, visit);
                 for (up, slopes, to_line) in
                     [(true, upward, (row + 1) as f64 - y), (false, downward, y - row as f64)]
                 {
@@ -124,7 +190,9 @@ impl Sight {
                 }
                 let least = x + (left * enter).min(left * leave);
                 let most = x + (right * enter).max(right * leave);
-                self.visit_row(fan.row, least.max(begin), most.min(end), visit);
+                let (least, most) = (least.max(begin), most.min(end));
+                self.visit_row(fan.row, least, most, visit);
+                more.visit_row(fan.row, least, most, visit);
                 self.push_next(
                     stack,
                     Fan {

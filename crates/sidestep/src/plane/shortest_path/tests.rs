@@ -275,7 +275,7 @@ fn agrees_with_flood_reference_and_grid_on_random_tasks() {
             assert!(near, "task {index}: {found:?}, {what} {other:?}");
         };
         close(length(&mut query, goal, start), "backwards");
-        close(reference(&query.outside, start, goal), "reference");
+        close(reference(&query.layers.outside, start, goal), "reference");
         close(length(&mut ShortestPath::new(&as_grid(&rects), Robot::Point), start, goal), "grid");
         if index % 50 == 0 {
             let lattice = lattice_length(&query, start, goal);
