@@ -1,5 +1,6 @@
 //! Ctrl-C while Rust works: whoever plans asks now and then whether to go on.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -8,20 +9,23 @@ use pyo3::prelude::*;
 /// Milliseconds between two looks at Python's signals.
 const PERIOD: u64 = 20;
 
-/// A deadline, and whether Ctrl-C was pressed.
+/// A deadline, and whether Ctrl-C was pressed or a callback raised an error.
 pub struct Interrupt {
     begin: Instant,
     deadline: Option<Duration>,
     /// When signals were looked at last, milliseconds from the beginning.
     looked: AtomicU64,
     pressed: AtomicBool,
+    /// What a callback raised.
+    error: Mutex<Option<PyErr>>,
 }
 
 impl Interrupt {
     /// From now on, for so long at most.
     pub fn new(deadline: Option<Duration>) -> Self {
         let (looked, pressed) = (AtomicU64::new(0), AtomicBool::new(false));
-        Self { begin: Instant::now(), deadline, looked, pressed }
+        let error = Mutex::new(None);
+        Self { begin: Instant::now(), deadline, looked, pressed, error }
     }
 
     /// Whether to go on. Python's signals are seen by its main thread alone.
@@ -48,7 +52,15 @@ impl Interrupt {
         }
     }
 
-    /// Whether Ctrl-C was pressed.
+    /// Ends the work with an error of a callback; the first one is raised.
+    pub fn fail(&self, error: PyErr) {
+        if let Ok(mut first) = self.error.lock() {
+            first.get_or_insert(error);
+        }
+        self.pressed.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether Ctrl-C was pressed or a callback raised an error.
     pub fn is_pressed(&self) -> bool {
         self.pressed.load(Ordering::Relaxed)
     }
@@ -68,8 +80,18 @@ impl Interrupt {
         })
     }
 
-    /// Raises KeyboardInterrupt if Ctrl-C was pressed.
+    /// As [`Interrupt::check`], after which the next piece of work may begin.
+    pub fn check_again(&self) -> PyResult<()> {
+        let checked = self.check();
+        self.pressed.store(false, Ordering::Relaxed);
+        checked
+    }
+
+    /// Raises what a callback raised, or KeyboardInterrupt if Ctrl-C was pressed.
     pub fn check(&self) -> PyResult<()> {
+        if let Some(error) = self.error.lock().ok().and_then(|mut error| error.take()) {
+            return Err(error);
+        }
         match self.is_pressed() {
             true => Err(pyo3::exceptions::PyKeyboardInterrupt::new_err(())),
             false => Ok(()),

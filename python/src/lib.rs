@@ -8,7 +8,10 @@
 mod batch;
 mod interrupt;
 mod objective;
+mod own;
 mod planning;
+mod policy;
+mod robots;
 mod tasks;
 
 use pyo3::exceptions::PyValueError;
@@ -30,6 +33,10 @@ mod _sidestep {
     use super::objective::Objective;
     #[pymodule_export]
     use super::planning::{Plan, certify, plan, plan_batch, planners, shortest_path};
+    #[pymodule_export]
+    use super::policy::Policy;
+    #[pymodule_export]
+    use super::robots::{Robot, Scene};
     #[pymodule_export]
     use super::tasks::{Task, read, read_problems, suite, write};
 

@@ -1,23 +1,30 @@
 //! U, its gradient and the checks, for a trajectory of each of many tasks at once.
 
+use std::sync::Arc;
+
 use numpy::ndarray::{Array1, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use sidestep::{Profile, Query};
 
+use crate::interrupt::Interrupt;
 use crate::invalid;
+use crate::own::with_cost;
 use crate::tasks::Task;
 
 /// The objective U = F_obs + lambda F_len of tasks with one kind of robot, for trajectories of as many waypoints.
 ///
 /// Arrays of trajectories are float32 `[tasks, waypoints, dof]` in normalised units (the field's larger side is 6.4;
 /// joints as they are), without the ends. `to_task` and `to_normalised` turn them into task units and back.
+/// `cost` is one of your own on top, as in `plan`.
 #[pyclass(module = "sidestep")]
 pub struct Objective {
     all: Vec<sidestep::objective::Objective>,
     waypoints: usize,
     dof: usize,
+    /// What a cost of one's own raised.
+    watch: Arc<Interrupt>,
 }
 
 type Trajectories<'py> = Bound<'py, PyArray3<f32>>;
@@ -25,12 +32,13 @@ type Trajectories<'py> = Bound<'py, PyArray3<f32>>;
 #[pymethods]
 impl Objective {
     #[new]
-    #[pyo3(signature = (tasks, *, waypoints=10, profile="default"))]
+    #[pyo3(signature = (tasks, *, waypoints=10, profile="default", cost=None))]
     fn new(
         py: Python<'_>,
         tasks: Vec<PyRef<'_, Task>>,
         waypoints: usize,
         profile: &str,
+        cost: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
         let profile: Profile = profile.parse().map_err(invalid)?;
         let tasks: Vec<sidestep::Task> = tasks.iter().map(|task| task.0.clone()).collect();
@@ -42,13 +50,15 @@ impl Objective {
             let message = format!("tasks[{other}].dof: {found} is not allowed; expected {dof}");
             return Err(invalid(format!("{message}, as the first has")));
         }
+        let (watch, cost) = (Arc::new(Interrupt::new(None)), cost.map(Arc::new));
         let all = py.detach(|| {
             let one = |task: &sidestep::Task| {
-                sidestep::objective::Objective::new(&Query::of(task, &profile), waypoints)
+                let query = with_cost(Query::of(task, &profile), cost.as_ref(), &watch);
+                sidestep::objective::Objective::new(&query, waypoints)
             };
             tasks.par_iter().map(one).collect::<Result<Vec<_>, _>>()
         });
-        Ok(Self { all: all.map_err(invalid)?, waypoints, dof })
+        Ok(Self { all: all.map_err(invalid)?, waypoints, dof, watch })
     }
 
     /// `(tasks, waypoints, dof)`.
@@ -77,6 +87,7 @@ impl Objective {
         let costs: Vec<f32> = py.detach(|| {
             all.par_iter_mut().zip(rows.par_chunks(size)).map(|(u, x)| u.cost(x).total).collect()
         });
+        self.watch.check_again()?;
         Ok(Array1::from_vec(costs).into_pyarray(py))
     }
 
@@ -98,6 +109,7 @@ impl Objective {
                 .collect();
             (costs, gradient)
         });
+        self.watch.check_again()?;
         Ok((Array1::from_vec(costs).into_pyarray(py), self.array(py, gradient)?))
     }
 

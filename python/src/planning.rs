@@ -1,6 +1,6 @@
 //! Plans: one task, many tasks, what the certificate says of a path, and the exact answer.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use numpy::ndarray::{Array2, Array3};
@@ -10,12 +10,13 @@ use rayon::prelude::*;
 use sidestep::objective::Objective;
 use sidestep::plan::run::Iteration;
 use sidestep::plan::starts::StartStrategy;
-use sidestep::plan::{Options, PLANNERS, Planner, Stop, Watch, by_setting, parse_planner, plan_in};
+use sidestep::plan::{Options, PLANNERS, Planner, Stop, Watch, by_setting, plan_in};
 use sidestep::plane::shortest_path::{Route, ShortestPath};
 use sidestep::{InvalidInput, Policy, Profile, Query, Scene, Trajectory};
 
 use crate::interrupt::Interrupt;
 use crate::invalid;
+use crate::own::{planner_of, with_cost};
 use crate::tasks::Task;
 
 /// The answer to a task.
@@ -125,7 +126,7 @@ struct Settings {
 /// Reads the keywords that `plan` and `plan_batch` share.
 #[allow(clippy::too_many_arguments, reason = "keywords in Python")]
 fn settings(
-    planner: &str,
+    planner: Planner,
     seed: u64,
     steps: usize,
     starts: usize,
@@ -136,18 +137,6 @@ fn settings(
     budget_ms: Option<f64>,
     best: bool,
 ) -> PyResult<Settings> {
-    let load = |path: &str| {
-        let bytes = std::fs::read(path).map_err(|error| {
-            InvalidInput::new(
-                "policy",
-                format!("{path:?}, {error}"),
-                "a policy file (.safetensors)",
-            )
-        })?;
-        Policy::from_safetensors(&bytes).map(std::sync::Arc::new)
-    };
-    let mut planner_of = load;
-    let planner = parse_planner(planner, &mut planner_of).map_err(invalid)?;
     let policy = planner.policy();
     let profile = profile.or(policy.and_then(Policy::fixed_profile)).unwrap_or("default");
     let deadline = match budget_ms {
@@ -174,15 +163,20 @@ fn settings(
 /// Plans one task: the first certified plan, or with `best` or `budget_ms` the best one found.
 ///
 /// `planner` is a name with settings as on the command line: `auto`, `sidestep-1`, `gd:step=0.5`, `adam`, `chomp`,
-/// `lbfgs`, `stomp`, `rrt-connect`, `shortest-path`, `learned:policy.safetensors` (`sidestep.planners()` lists them).
+/// `lbfgs`, `stomp`, `rrt-connect`, `shortest-path`, `learned:policy.safetensors` (`sidestep.planners()` lists them); `auto` where None.
 /// `margin` is kept from everything, as if the robot were so much larger. Ctrl-C ends it.
+///
+/// It may be a `Policy` too, or an optimizer of your own: `planner(waypoints, dof)` is called once for each start and answers
+/// what steps; that is called as `step(x, cost, gradient)` in every iteration and answers the next `x`, arrays
+/// `[waypoints, dof]` in normalised units. `cost` adds one of your own to U: `cost(path)` answers `(value, gradient)` for
+/// a path `[waypoints + 2, dof]` in normalised units, the gradient being that of the inner points. Both are as slow as Python.
 #[pyfunction]
-#[pyo3(signature = (task, planner="auto", *, seed=0, steps=200, starts=1, start_strategy="via-point", waypoints=None, profile=None, margin=0.0, budget_ms=None, best=false, trace=false))]
+#[pyo3(signature = (task, planner=None, *, seed=0, steps=200, starts=1, start_strategy="via-point", waypoints=None, profile=None, margin=0.0, budget_ms=None, best=false, trace=false, cost=None))]
 #[allow(clippy::too_many_arguments, reason = "keywords in Python")]
 pub fn plan(
     py: Python<'_>,
     task: &Task,
-    planner: &str,
+    planner: Option<Bound<'_, PyAny>>,
     seed: u64,
     steps: usize,
     starts: usize,
@@ -193,7 +187,10 @@ pub fn plan(
     budget_ms: Option<f64>,
     best: bool,
     trace: bool,
+    cost: Option<Py<PyAny>>,
 ) -> PyResult<Plan> {
+    let interrupt = Arc::new(Interrupt::new(None));
+    let planner = planner_of(planner.as_ref(), &interrupt)?;
     let settings = settings(
         planner,
         seed,
@@ -206,13 +203,15 @@ pub fn plan(
         budget_ms,
         best,
     )?;
-    let interrupt = Interrupt::new(settings.deadline);
+    let (own, cost) = (Interrupt::new(settings.deadline), cost.map(Arc::new));
     let task = task.clone();
     let plan = py.detach(|| {
         let begin = Instant::now();
         let asked = task.0.with_margin(settings.margin)?;
         let query = Query::of(&asked, &settings.options.profile);
-        one(&query, &settings, &settings.options, &interrupt, trace, (begin, task))
+        let query = with_cost(query, cost.as_ref(), &interrupt);
+        let both = Pair(&interrupt, &own);
+        one(&query, &settings, &settings.options, &both, trace, (begin, task))
     });
     interrupt.check()?;
     plan.map_err(invalid)
@@ -223,7 +222,7 @@ fn one(
     query: &Query,
     settings: &Settings,
     options: &Options,
-    interrupt: &Interrupt,
+    interrupt: &Pair<'_>,
     trace: bool,
     (begin, task): (Instant, Task),
 ) -> Result<Plan, InvalidInput> {
@@ -250,12 +249,12 @@ fn one(
 /// Plans many tasks on all cores: a list of plans, in order. Tasks that stand side by side in one world share what is
 /// prepared for it. The answers are those of `plan` with the same keywords, but that task i draws from random stream i.
 #[pyfunction]
-#[pyo3(signature = (tasks, planner="auto", *, seed=0, steps=200, starts=1, start_strategy="via-point", waypoints=None, profile=None, margin=0.0, budget_ms=None, best=false))]
+#[pyo3(signature = (tasks, planner=None, *, seed=0, steps=200, starts=1, start_strategy="via-point", waypoints=None, profile=None, margin=0.0, budget_ms=None, best=false, cost=None))]
 #[allow(clippy::too_many_arguments, reason = "keywords in Python")]
 pub fn plan_batch(
     py: Python<'_>,
     tasks: Vec<PyRef<'_, Task>>,
-    planner: &str,
+    planner: Option<Bound<'_, PyAny>>,
     seed: u64,
     steps: usize,
     starts: usize,
@@ -265,7 +264,11 @@ pub fn plan_batch(
     margin: f64,
     budget_ms: Option<f64>,
     best: bool,
+    cost: Option<Py<PyAny>>,
 ) -> PyResult<Vec<Plan>> {
+    // The budget is each task's own.
+    let interrupt = Arc::new(Interrupt::new(None));
+    let planner = planner_of(planner.as_ref(), &interrupt)?;
     let settings = settings(
         planner,
         seed,
@@ -279,8 +282,7 @@ pub fn plan_batch(
         best,
     )?;
     let tasks: Vec<sidestep::Task> = tasks.iter().map(|task| task.0.clone()).collect();
-    // The budget is each task's own.
-    let interrupt = Interrupt::new(None);
+    let cost = cost.map(Arc::new);
     let plans = py.detach(|| {
         interrupt.beside(|| {
             let asked: Result<Vec<sidestep::Task>, InvalidInput> =
@@ -289,17 +291,17 @@ pub fn plan_batch(
             let groups: Result<Vec<Vec<Plan>>, InvalidInput> = by_setting(&asked)
                 .into_par_iter()
                 .map(|(first, group)| {
-                    let scene =
-                        std::sync::Arc::new(Scene::of(&group[0], &settings.options.profile));
+                    let scene = Arc::new(Scene::of(&group[0], &settings.options.profile));
                     let plan_one = |(offset, asked): (usize, &sidestep::Task)| {
                         let index = first + offset;
                         let begin = Instant::now();
                         let query = Query::new(&scene, asked)?;
+                        let query = with_cost(query, cost.as_ref(), &interrupt);
                         let options = Options { index: index as u64, ..settings.options.clone() };
                         let own = Interrupt::new(settings.deadline);
                         let both = Pair(&interrupt, &own);
                         let task = Task(tasks[index].clone());
-                        both.one(&query, &settings, &options, (begin, task))
+                        one(&query, &settings, &options, &both, false, (begin, task))
                     };
                     group.par_iter().enumerate().map(plan_one).collect()
                 })
@@ -311,21 +313,12 @@ pub fn plan_batch(
     Ok(plans.map_err(invalid)?.into_iter().flatten().collect())
 }
 
-/// Ctrl-C for all, a budget for each.
+/// Ctrl-C and errors for all, a budget for each.
 struct Pair<'a>(&'a Interrupt, &'a Interrupt);
 
 impl Pair<'_> {
-    fn one(
-        &self,
-        query: &Query,
-        settings: &Settings,
-        options: &Options,
-        (begin, task): (Instant, Task),
-    ) -> Result<Plan, InvalidInput> {
-        let watch =
-            Watch { see: &|_| {}, go_on: &|| !self.0.is_pressed() && self.1.is_time_left() };
-        let plan = plan_in(query, &settings.planner, options, watch)?;
-        Ok(Plan { plan, query: query.clone(), time: begin.elapsed(), trace: Vec::new(), task })
+    fn go_on(&self) -> bool {
+        self.0.go_on() && self.1.is_time_left()
     }
 }
 

@@ -10,11 +10,12 @@ use sidestep::{
     Circle, ConvexPolygon, Grid, Obstacle, Profile, Rect, Robot, Setting, Suite, World,
 };
 use sidestep_io::input::{self, Content, Question};
-use sidestep_io::robots::{Moving, Preparation, prepare, read_srdf, read_urdf};
-use sidestep_io::scenes::{mesh, read_problems as problems_of};
+use sidestep_io::robots::{Moving, Preparation};
+use sidestep_io::scenes::read_problems as problems_of;
 use sidestep_io::{TaskFormat, write_tasks};
 
 use crate::invalid;
+use crate::robots::{robot_of, told};
 
 /// A motion planning task: a robot in its surroundings, a start and a goal.
 ///
@@ -228,39 +229,15 @@ pub fn read_problems(
     overhang: f64,
 ) -> PyResult<Vec<Task>> {
     py.detach(|| {
-        let told = |path: &Path, error: &dyn std::fmt::Display| {
-            invalid(format!("{}: {error}", path.display()))
-        };
-        let text = |path: &Path| std::fs::read_to_string(path).map_err(|error| told(path, &error));
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let mut load = |name: &str| std::fs::read(folder.join(name));
         let bytes = std::fs::read(&path).map_err(|error| told(&path, &error))?;
         let problems = problems_of(&bytes, &mut load).map_err(|error| told(&path, &error))?;
-        let model = read_urdf(&text(&urdf)?).map_err(|error| told(&urdf, &error))?;
-        let srdf = match &srdf {
-            Some(path) => Some(read_srdf(&text(path)?).map_err(|error| told(path, &error))?),
-            None => None,
-        };
         let Some(first) = problems.first() else { return Err(told(&path, &"no problem")) };
-        let held = first.fixed_joints.iter().filter(|(name, _)| model.joint(name).is_some());
-        let preparation = Preparation {
-            moving: Moving::Joints(first.joints.to_vec()),
-            held: held.cloned().collect(),
-            overhang,
-        };
-        let beside = urdf.parent().unwrap_or(Path::new("")).to_path_buf();
-        let prepared = prepare(model, srdf.as_ref(), &preparation, &mut |file, scale| {
-            let refused = |found: String| {
-                sidestep::InvalidInput::new(format!("mesh {file:?}"), found, "an STL or OBJ file")
-            };
-            let path = beside.join(file.trim_start_matches("package://"));
-            let bytes = std::fs::read(path).map_err(|error| refused(error.to_string()))?;
-            match mesh::shape(file, &bytes, scale, true).map_err(|e| refused(e.to_string()))? {
-                sidestep::space::Shape::Hull(hull) => Ok(hull),
-                other => Err(refused(other.kind().to_string())),
-            }
-        });
-        let arm = Arc::new(prepared.map_err(|error| told(&urdf, &error))?.arm);
+        let moving = Moving::Joints(first.joints.to_vec());
+        let preparation = Preparation { moving, held: first.fixed_joints.to_vec(), overhang };
+        let (_, arm) = robot_of(&urdf, srdf.as_deref(), preparation)?;
+        let arm = Arc::new(arm);
         let task = |problem: &sidestep_io::scenes::Problem| {
             let setting = Setting::Arm { arm: Arc::clone(&arm), world: Arc::clone(&problem.world) };
             let goal = problem.goals.first().cloned().unwrap_or_default();

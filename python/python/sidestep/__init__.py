@@ -5,7 +5,8 @@
     plan.waypoints        # float64 [points, 2], proved free of collision
 
 A plan whose status is "solved" is certified: every motion between its waypoints is proved free of collision.
-Training environments are in `sidestep.gym` and `sidestep.sb3`.
+Training environments are in `sidestep.gym`, with Stable-Baselines3 in `sidestep.sb3`; policies go to other programs by
+`sidestep.onnx` and `sidestep.torch`; `sidestep.sweep` runs experiments on a Ray cluster.
 """
 
 from ._sidestep import VERSION as __version__
@@ -13,6 +14,9 @@ from ._sidestep import (
     Batch,
     Objective,
     Plan,
+    Policy,
+    Robot,
+    Scene,
     Task,
     certify,
     plan,
@@ -30,6 +34,9 @@ __all__ = [
     "Batch",
     "Objective",
     "Plan",
+    "Policy",
+    "Robot",
+    "Scene",
     "Task",
     "__version__",
     "certify",

@@ -1,6 +1,6 @@
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
-from typing import Final, final
+from typing import Any, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ __all__ = [
     "plan_batch",
     "planners",
     "shortest_path",
+    "Policy",
+    "Robot",
+    "Scene",
     "Task",
     "read",
     "read_problems",
@@ -27,6 +30,10 @@ VERSION: Final[str]
 
 _Path = str | PathLike[str]
 _Point = Sequence[float]
+_Array = NDArray[np.float32]
+_Step = Callable[[_Array, float, _Array], NDArray[np.floating[Any]]]
+_Planner = str | Policy | Callable[[int, int], _Step]
+_Cost = Callable[[_Array], tuple[float, NDArray[np.floating[Any]]]]
 
 @final
 class Task:
@@ -68,6 +75,43 @@ class Task:
     def __reduce__(self) -> tuple[object, tuple[str]]: ...
 
 @final
+class Robot:
+    @staticmethod
+    def from_urdf(
+        urdf: _Path,
+        *,
+        srdf: _Path | None = None,
+        joints: Sequence[str] | None = None,
+        held: Mapping[str, float] = ...,
+        overhang: float = 0.01,
+    ) -> Robot: ...
+    @staticmethod
+    def load(path: _Path) -> Robot: ...
+    @staticmethod
+    def from_json(text: str) -> Robot: ...
+    def to_json(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def dof(self) -> int: ...
+    @property
+    def joints(self) -> list[str]: ...
+    @property
+    def limits(self) -> NDArray[np.float64]: ...
+    def task(self, scene: Scene, start: Sequence[float], goal: Sequence[float], *, name: str = ...) -> Task: ...
+    def __reduce__(self) -> tuple[object, tuple[str]]: ...
+
+@final
+class Scene:
+    def __new__(cls, objects: Sequence[Mapping[str, Any]] | None = None) -> Scene: ...
+    @staticmethod
+    def load(path: _Path, *, point_radius: float = 0.01) -> Scene: ...
+    @property
+    def names(self) -> list[str]: ...
+    def with_objects(self, objects: Sequence[Mapping[str, Any]]) -> Scene: ...
+    def without(self, names: Sequence[str]) -> Scene: ...
+
+@final
 class Plan:
     @property
     def status(self) -> str: ...
@@ -93,8 +137,29 @@ class Plan:
     def trace(self) -> NDArray[np.float64] | None: ...
 
 @final
+class Policy:
+    def __new__(cls, card: Mapping[str, Any], tensors: Mapping[str, NDArray[np.float32]]) -> Policy: ...
+    @staticmethod
+    def load(path: _Path) -> Policy: ...
+    @staticmethod
+    def from_bytes(bytes: bytes) -> Policy: ...
+    def to_bytes(self) -> bytes: ...
+    def save(self, path: _Path) -> None: ...
+    @property
+    def card(self) -> dict[str, Any]: ...
+    @property
+    def layout(self) -> dict[str, Any]: ...
+    def tensors(self) -> dict[str, NDArray[np.float32]]: ...
+    def look(
+        self, tasks: Sequence[Task], x: NDArray[np.float32], *, profile: str | None = None
+    ) -> tuple[dict[str, NDArray[np.float32]], NDArray[np.float32]]: ...
+    def __reduce__(self) -> tuple[object, tuple[bytes]]: ...
+
+@final
 class Objective:
-    def __new__(cls, tasks: Sequence[Task], *, waypoints: int = 10, profile: str = "default") -> Objective: ...
+    def __new__(
+        cls, tasks: Sequence[Task], *, waypoints: int = 10, profile: str = "default", cost: _Cost | None = None
+    ) -> Objective: ...
     @property
     def shape(self) -> tuple[int, int, int]: ...
     def straight_lines(self) -> NDArray[np.float32]: ...
@@ -155,7 +220,7 @@ def suite(name: str, count: int, *, seed: int = 0) -> list[Task]: ...
 def write(path: _Path, tasks: Sequence[Task]) -> None: ...
 def plan(
     task: Task,
-    planner: str = "auto",
+    planner: _Planner | None = None,
     *,
     seed: int = 0,
     steps: int = 200,
@@ -167,10 +232,11 @@ def plan(
     budget_ms: float | None = None,
     best: bool = False,
     trace: bool = False,
+    cost: _Cost | None = None,
 ) -> Plan: ...
 def plan_batch(
     tasks: Sequence[Task],
-    planner: str = "auto",
+    planner: _Planner | None = None,
     *,
     seed: int = 0,
     steps: int = 200,
@@ -181,6 +247,7 @@ def plan_batch(
     margin: float = 0.0,
     budget_ms: float | None = None,
     best: bool = False,
+    cost: _Cost | None = None,
 ) -> list[Plan]: ...
 def certify(task: Task, path: NDArray[np.float64]) -> str | None: ...
 def shortest_path(task: Task) -> tuple[float, NDArray[np.float64]] | None: ...

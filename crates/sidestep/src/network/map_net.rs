@@ -15,7 +15,7 @@ use crate::kernels::dense::{Activation, padded};
 use crate::kernels::{Isa, LANES};
 
 /// Numbers of a cell that go in.
-pub(crate) const MAP_INPUTS: usize = 15;
+pub const MAP_INPUTS: usize = 15;
 /// Cells that a convolution sees.
 const SEEN: usize = TAPS;
 

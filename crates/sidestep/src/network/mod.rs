@@ -15,8 +15,7 @@ mod waypoint_net;
 mod waypoint_shape;
 
 pub use cnn::{Cnn, FEATURES, IMAGE_SIDE, Part};
-pub(crate) use map_net::MAP_INPUTS;
-pub use map_net::{MapScratch, MapShape};
+pub use map_net::{MAP_INPUTS, MapScratch, MapShape};
 pub use mlp::{MAX_PARAMETERS, Mlp};
 pub use scratch::Scratch;
 pub use waypoint_net::{WaypointNet, WaypointScratch};

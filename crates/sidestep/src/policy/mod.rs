@@ -9,6 +9,7 @@
 
 mod check;
 pub mod observation;
+mod seen;
 pub mod shipped;
 pub mod tensors;
 
@@ -23,8 +24,10 @@ use crate::plane::view::ViewParts;
 use crate::policy::observation::{ObservationPart, OwnPart, image_place};
 use crate::policy::tensors::{Reader, Tensor};
 
+pub use crate::network::MAP_INPUTS;
 pub use crate::trajectory::ActionRule;
 use check::{check_card, check_waypoint, check_whole};
+pub use seen::{Seen, SeenMap};
 
 /// The version of the policy file that this program writes and reads.
 pub const FORMAT: &str = "sidestep.policy/1";
@@ -202,14 +205,29 @@ impl Policy {
     /// # Errors
     /// Never for a policy made by this module; kept for the writer's sake.
     pub fn to_safetensors(&self) -> Result<Vec<u8>, InvalidInput> {
-        let tensors = match &self.network {
+        tensors::write(&self.card, &self.tensors())
+    }
+
+    /// The numbers by name, as in the file.
+    pub fn tensors(&self) -> Vec<Tensor<'_>> {
+        match &self.network {
             PolicyNetwork::Whole { network, .. } => parameter_tensors(network, ""),
             PolicyNetwork::Waypoint { network, .. } | PolicyNetwork::Joints { network, .. } => {
                 let sizes = network.shape().layer_sizes();
                 layer_tensors(&sizes, network.layer_ranges(), network.parameters(), "")
             }
-        };
-        tensors::write(&self.card, &tensors)
+        }
+    }
+
+    /// A policy of a card and numbers by name, checked as its file would be; the card as JSON.
+    ///
+    /// # Errors
+    /// As [`Policy::from_safetensors`].
+    pub fn from_tensors(
+        card: &serde_json::Value,
+        tensors: &[Tensor<'_>],
+    ) -> Result<Self, InvalidInput> {
+        Self::from_safetensors(&tensors::write(card, tensors)?)
     }
 
     /// Reads a policy file.

@@ -31,7 +31,7 @@ const OFFSETS: [[f32; 2]; PLACES] = [[0.0, 0.0], [0.5, 0.0], [-0.5, 0.0], [0.0, 
 /// Offsets to the shortest way are multiplied by this.
 const WISH: f32 = 0.6;
 /// Places where a waypoint reads the map.
-const PLACES: usize = 5;
+pub(super) const PLACES: usize = 5;
 
 /// Numbers that a waypoint reads of a map of so many channels.
 pub(super) fn read_len(channels: usize) -> usize {
@@ -89,6 +89,19 @@ impl TaskMap {
     /// What the network reads and writes.
     pub fn scratch(&mut self) -> &mut MapScratch {
         &mut self.scratch
+    }
+
+    /// What the network reads of each cell, `[cells x cells x 15]`.
+    pub fn cells(&mut self) -> Vec<f32> {
+        let rows = self.scratch.input().chunks_exact(LANES);
+        rows.flat_map(|row| &row[..MAP_INPUTS]).copied().collect()
+    }
+
+    /// Where waypoints `x [N x 2]` read features, `[N x PLACES x 2]`: column and row, in cells; beyond the outermost cells' middles
+    /// is read as there.
+    pub fn places(&self, x: &[f32]) -> Vec<f32> {
+        let points = x.as_chunks::<2>().0.iter();
+        points.flat_map(|p| OFFSETS.map(|offset| self.place(*p, offset))).flatten().collect()
     }
 
     fn fill(&mut self, length: f32, field: &Field) {
@@ -190,13 +203,16 @@ impl TaskMap {
         }
     }
 
-    /// The four cells around a place with their weights.
-    fn corners(&self, p: [f32; 2], offset: [f32; 2]) -> Corners {
+    /// Column and row of a place, in cells.
+    fn place(&self, p: [f32; 2], offset: [f32; 2]) -> [f32; 2] {
         let start = self.axes.start;
         let own = self.axes.back([p[0] - start[0], p[1] - start[1]]);
-        let column = (own[0] + offset[0] - self.first[0]) / self.cell;
-        let row = (own[1] + offset[1] - self.first[1]) / self.cell;
-        bilinear([column, row], self.cells)
+        [0, 1].map(|axis| (own[axis] + offset[axis] - self.first[axis]) / self.cell)
+    }
+
+    /// The four cells around a place with their weights.
+    fn corners(&self, p: [f32; 2], offset: [f32; 2]) -> Corners {
+        bilinear(self.place(p, offset), self.cells)
     }
 }
 

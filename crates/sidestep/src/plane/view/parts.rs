@@ -1,7 +1,7 @@
 //! The parts of a waypoint view by name: `waypoints` or `picture:..`, `probes:..` and, if wanted, `map:..` and `gradient`.
 
 use super::OWN;
-use super::map::read_len;
+use super::map::{PLACES, read_len};
 use crate::error::InvalidInput;
 use crate::network::MapShape;
 
@@ -79,6 +79,13 @@ impl ViewParts {
     /// Whether the parts are those of a view of waypoints, by their first.
     pub fn are_named(parts: &[String]) -> bool {
         parts.first().is_some_and(|first| first == PART || first.starts_with(PICTURE))
+    }
+
+    /// Where the features of the task's map are in a row, where there is a map.
+    pub fn features_at(&self) -> Option<std::ops::Range<usize>> {
+        let map = self.map.as_ref()?;
+        let first = self.row_len() - read_len(map.channels);
+        Some(first..first + PLACES * map.channels)
     }
 
     /// Numbers of a view's row.
