@@ -73,6 +73,7 @@ fn every_planner_name_plans() {
         "adam",
         "chomp",
         "lbfgs",
+        "lm",
         "stomp",
         "rrt-connect",
         "shortest-path",

@@ -82,6 +82,7 @@ pub fn planner_style(name: &str) -> LineStyle {
         "adam" => (PALETTE[4], None),
         "chomp" => (PALETTE[3], None),
         "lbfgs" => (PALETTE[3], DASHED),
+        "lm" => (PALETTE[3], DOTTED),
         _ => (PALETTE[5], None),
     };
     LineStyle { color, dash }

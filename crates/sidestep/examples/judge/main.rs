@@ -27,7 +27,7 @@ use sidestep::{Query, Task};
 /// These answer every task.
 const ALWAYS: [&str; 2] = ["shortest-path", "rrt-connect:samples=300"];
 /// Of these, one answers each task, by turns.
-const BY_TURNS: [&str; 10] = [
+const BY_TURNS: [&str; 11] = [
     "auto",
     "gd",
     "sidestep-1-small",
@@ -36,6 +36,7 @@ const BY_TURNS: [&str; 10] = [
     "auto",
     "chomp",
     "lbfgs",
+    "lm",
     "sidestep-1",
     "stomp",
 ];

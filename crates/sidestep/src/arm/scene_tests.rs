@@ -141,7 +141,7 @@ fn every_planner_answers_with_proved_plans() {
     let setting = Setting::Arm { arm, world };
     let task = Task::new("", setting, vec![-0.9, 0.0, 0.0], vec![0.9, 0.0, 0.0]).unwrap();
     let mut solved = Vec::new();
-    for name in ["gd", "momentum", "adam", "chomp", "lbfgs", "stomp", "rrt-connect", "auto"] {
+    for name in ["gd", "momentum", "adam", "chomp", "lbfgs", "lm", "stomp", "rrt-connect", "auto"] {
         let planner: Planner = name.parse().unwrap();
         let options = Options { starts: 3, ..Options::default() };
         let plan = plan(&task, &planner, &options).unwrap();

@@ -9,6 +9,7 @@
 //! with weights 1 - t and t. All lengths are in normalised units ([`crate::profile`]). c itself is in `kernels/clearance.rs`,
 //! where scenes find it, and D is the scene's.
 
+mod curvature;
 pub mod reference;
 
 use std::sync::Arc;

@@ -9,6 +9,7 @@ mod chomp;
 mod gradient_descent;
 mod lbfgs;
 mod learned;
+mod levenberg_marquardt;
 mod momentum;
 mod own;
 mod stomp;
@@ -23,13 +24,14 @@ use crate::error::InvalidInput;
 use crate::objective::{Cost, Objective};
 use crate::policy::Policy;
 
-/// An optimizer and its settings. Steps are in normalised units.
+/// An optimizer and its settings. Steps are in normalised units; a robot with joints has rad and m, and needs smaller ones than
+/// the plane (docs/research/arms.md).
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum Method {
     /// ξ ← ξ - γ ∂U.
     GradientDescent {
-        /// Step γ; the profile's where none.
+        /// Step γ; where none the profile's, and 0.1 for a robot with joints.
         step: Option<f32>,
     },
     /// Gradient descent with backtracking (Armijo) line search.
@@ -39,7 +41,7 @@ pub enum Method {
     },
     /// Gradient descent with heavy-ball momentum.
     Momentum {
-        /// Step γ; the profile's where none.
+        /// Step γ; where none the profile's, and 0.01 for a robot with joints.
         step: Option<f32>,
         /// Share of the last update that is kept, in [0, 1).
         decay: f32,
@@ -51,13 +53,18 @@ pub enum Method {
     },
     /// Covariant gradient descent.
     Chomp {
-        /// Step 1 / η; a tenth of the profile's where none.
+        /// Step 1 / η; where none a tenth of the profile's, and 0.02 for a robot with joints.
         step: Option<f32>,
     },
     /// Limited-memory BFGS with a strong Wolfe line search.
     Lbfgs {
         /// Number of remembered updates.
         memory: usize,
+    },
+    /// Gauss-Newton steps with Levenberg-Marquardt damping.
+    LevenbergMarquardt {
+        /// Damping μ in the covariant metric.
+        damping: f32,
     },
     /// Stochastic trajectory optimization.
     Stomp {
@@ -70,6 +77,13 @@ pub enum Method {
     Learned(Arc<Policy>),
     /// One of one's own.
     Own(Own),
+}
+
+impl Method {
+    /// Levenberg-Marquardt as it is usually set.
+    pub const fn levenberg_marquardt() -> Self {
+        Self::LevenbergMarquardt { damping: levenberg_marquardt::DAMPING }
+    }
 }
 
 /// What is known of a trajectory when an optimizer steps.
@@ -95,6 +109,7 @@ enum State {
     Adam(adam::Adam),
     Chomp(chomp::Chomp),
     Lbfgs(Box<lbfgs::Lbfgs>),
+    LevenbergMarquardt(Box<levenberg_marquardt::LevenbergMarquardt>),
     Stomp(Box<stomp::Stomp>),
     Learned(Box<learned::Learned>),
     Own(own::Steps),
@@ -111,23 +126,30 @@ impl Optimizer {
         rng: ChaCha8Rng,
     ) -> Result<Self, InvalidInput> {
         let (n, waypoints, dof) = (objective.dim(), objective.waypoints(), objective.dof());
-        let default_step = objective.scene().profile().gradient_step as f32;
+        let of_profile = objective.scene().profile().gradient_step as f32;
+        let is_arm = objective.scene().arm().is_some();
+        let default_step = |plane: f32, arm: f32| if is_arm { arm } else { plane };
         Ok(Self(match *method {
             Method::GradientDescent { step } => {
-                State::GradientDescent { step: step.unwrap_or(default_step) }
+                State::GradientDescent { step: step.unwrap_or(default_step(of_profile, 0.1)) }
             }
             Method::LineSearch { step } => {
                 State::LineSearch(gradient_descent::LineSearch::new(step, n))
             }
             Method::Momentum { step, decay } => {
-                State::Momentum(momentum::Momentum::new(step.unwrap_or(default_step), decay, n))
+                let step = step.unwrap_or(default_step(of_profile, 0.01));
+                State::Momentum(momentum::Momentum::new(step, decay, n))
             }
             Method::Adam { step } => State::Adam(adam::Adam::new(step, n)),
             Method::Chomp { step } => {
-                let step = step.unwrap_or(0.1 * default_step);
+                let step = step.unwrap_or(default_step(0.1 * of_profile, 0.02));
                 State::Chomp(chomp::Chomp::new(step, waypoints, dof))
             }
             Method::Lbfgs { memory } => State::Lbfgs(Box::new(lbfgs::Lbfgs::new(memory, n))),
+            Method::LevenbergMarquardt { damping } => {
+                let steps = levenberg_marquardt::LevenbergMarquardt::new(damping, waypoints, dof);
+                State::LevenbergMarquardt(Box::new(steps))
+            }
             Method::Stomp { rollouts, noise } => {
                 State::Stomp(Box::new(stomp::Stomp::new(rollouts, noise, waypoints, dof, rng)?))
             }
@@ -150,6 +172,7 @@ impl Optimizer {
             State::Adam(adam) => adam.step(x, gradient),
             State::Chomp(chomp) => chomp.step(x, gradient),
             State::Lbfgs(lbfgs) => lbfgs.step(x, objective),
+            State::LevenbergMarquardt(steps) => steps.step(x, gradient, objective),
             State::Stomp(stomp) => stomp.step(x, objective),
             State::Learned(learned) => learned.step(x, gradient, free, objective),
             State::Own(own) => own.step(x, known, objective),

@@ -1,5 +1,5 @@
 //! The planner `auto` for robots with joints, where no search is exact: the straight line, RRT-Connect with short cuts, and where
-//! the best plan is asked for or the trees find none, a few steps of L-BFGS from the straight line.
+//! the best plan is asked for or the trees find none, a few steps of Levenberg-Marquardt from the straight line.
 //!
 //! Nothing is promised about the length, and a failure proves nothing. Where the best plan is asked for, as many ways are
 //! looked for as there are starts (trees go the wrong way round as often as not), and the shortest is made smooth.
@@ -15,10 +15,8 @@ use crate::plan::rrt_connect::{RrtConnect, RrtRun, shortcut};
 use crate::rng::{Purpose, stream};
 use crate::scene::Query;
 
-/// Steps of L-BFGS: it is through after a few, or hardly ever.
+/// Steps of Levenberg-Marquardt: it is through after a few, or hardly ever.
 const STEPS: usize = 12;
-/// Pairs that L-BFGS remembers.
-const MEMORY: usize = 7;
 /// Random short cuts on a path.
 const SHORT_CUTS: usize = 32;
 /// Samples of the first pair of trees, and twice as many of each further one; most problems need a few hundred. Trees that grew badly
@@ -86,9 +84,9 @@ pub(super) fn plan(
     Ok(smooth.unwrap_or(best))
 }
 
-/// A few steps of L-BFGS from the straight line.
+/// A few steps of Levenberg-Marquardt from the straight line.
 fn optimized(query: &Query, options: &Options, watch: Watch<'_>) -> Result<Plan, InvalidInput> {
-    let method = Method::Lbfgs { memory: MEMORY };
+    let method = Method::levenberg_marquardt();
     let few = Options { steps: options.steps.min(STEPS), starts: 1, ..options.clone() };
     optimize(query, &method, &few, watch)
 }

@@ -2,6 +2,7 @@
 
 mod action;
 mod bends;
+mod block_tridiagonal;
 mod covariant;
 pub mod driving;
 pub mod timing;
@@ -9,6 +10,7 @@ mod violation;
 pub mod waypoints;
 
 pub use action::ActionRule;
+pub(crate) use block_tridiagonal::BlockTridiagonal;
 pub(crate) use covariant::Covariant;
 pub use violation::{ObstacleId, Violation};
 
