@@ -1,6 +1,7 @@
 //! The pictures of `plan`: the task, the plan, the shortest path to compare, and the trace.
 
 use sidestep::plan::Plan;
+use sidestep::plane::ends::Change;
 use sidestep::plane::geometry::{Point, lerp};
 use sidestep::plane::points;
 use sidestep::plane::shortest_path::{Route, ShortestPath};
@@ -117,7 +118,7 @@ fn panel(
     shortest: &Route,
     frames: Option<usize>,
 ) -> TaskPanel {
-    let Attempt { planner, query, plan, .. } = attempt;
+    let Attempt { planner, query, plan, relaxed, .. } = attempt;
     // A policy is named by its file.
     let name = planner.trim_end_matches(".safetensors").rsplit('/').next().unwrap_or(planner);
     let name =
@@ -125,6 +126,11 @@ fn panel(
     let style = planner_style(planner);
     let title = format!("{name}: {}", plan.status.name());
     let mut panel = TaskPanel::new(task).title(title).note(note(query, plan)).margin(args.margin);
+    for end in relaxed {
+        if let Change::Relaxed { radius, .. } = end.change {
+            panel = panel.relaxed(end.place, radius);
+        }
+    }
     // Of what a task may be read from, only ROS maps say what their numbers are.
     let suffix = args.input.as_ref().and_then(|path| path.extension());
     if suffix.is_some_and(|suffix| suffix == "yaml" || suffix == "yml") {

@@ -6,9 +6,11 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use sidestep::objective::Objective;
+use sidestep::plan::ends::plan_with_margin;
 use sidestep::plan::run::Iteration;
-use sidestep::plan::{Plan, Planner, Status, Stop, Watch, Wishes, plan_in};
-use sidestep::plane::explain;
+use sidestep::plan::{Plan, Planner, Status, Stop, Watch, Wishes};
+use sidestep::plane::ends::EndChange;
+use sidestep::plane::{explain, explain_path};
 use sidestep::scene::Query;
 use sidestep::{InvalidInput, Obstacle, Setting, Task, Trajectory, arm};
 use sidestep_io::drive::nav2_error_code;
@@ -82,9 +84,13 @@ pub struct PlanArgs {
     #[arg(long, allow_negative_numbers = true, help_heading = "Planner")]
     budget_ms: Option<f64>,
     /// Distance that the plan keeps from obstacles and walls, certified as if the robot were so much
-    /// larger, in task units
+    /// larger, in task units; relaxed near a start or goal that is nearer to something, and the answer says so
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, help_heading = "Task")]
     margin: f64,
+    /// Move a start or goal where the robot cannot stand to the nearest place where it can, at most so far, in task units; the answer
+    /// says so
+    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, help_heading = "Task")]
+    snap: Option<f64>,
     /// Round the plan's corners off, whatever the planner (`auto` does it anyway), certified at every move
     #[arg(long, help_heading = "Planner")]
     polish: bool,
@@ -133,8 +139,20 @@ pub struct PlanArgs {
 pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
     args.bends.check()?;
     args.driving.check()?;
-    let (task, warnings) = asked(args)?;
-    let task = with_obstacles(task, &args.obstacle)?;
+    let (task, mut warnings) = asked(args)?;
+    let mut task = with_obstacles(task, &args.obstacle)?;
+    if let Some(most) = args.snap {
+        let moved = task.snapped(args.margin, most);
+        let (ends, changes) = moved.map_err(|error| match error.field.as_str() {
+            "snap" => InvalidInput { field: "--snap".into(), ..error },
+            _ => error,
+        })?;
+        task = ends;
+        for change in &changes {
+            output::tell(&format!("warning: {change}"));
+        }
+        warnings.extend(changes.iter().map(ToString::to_string));
+    }
     if let (Some(out), Err(_)) = (&args.out, task.plane()) {
         output::check_suffix(("--out", out), &["json", "csv"])?;
     }
@@ -172,8 +190,8 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
         Ok(plane) => args.driving.write(path, &answer, plane.world),
         Err(_) => files::write(path, &answer),
     });
-    if let Some(broken) = answer.warnings.last().filter(|_| answer.warnings.len() > told) {
-        output::tell(&format!("warning: {broken}"));
+    for warning in &answer.warnings[told..] {
+        output::tell(&format!("warning: {warning}"));
     }
     if global.json {
         output::print(&answer.to_json())?;
@@ -242,6 +260,8 @@ pub struct Attempt {
     asked: Query,
     query: Query,
     plan: Plan,
+    /// Ends near which the margin is not kept.
+    relaxed: Vec<EndChange>,
     time: Duration,
     trace: Vec<TraceStep>,
     deadline: Option<Instant>,
@@ -275,24 +295,23 @@ fn attempt(
         .with_margin(args.margin)
         .map_err(|error| InvalidInput { field: "--margin".into(), ..error })?;
     let begin = Instant::now();
-    let query = Query::of(&asked, &options.profile);
+    let asked = Query::of(&asked, &options.profile);
     let see = |iteration: &Iteration<'_>| {
         if (args.trace || args.animate || args.html.is_some())
             && let Ok(mut steps) = trace.lock()
         {
-            steps.push(step(&query, iteration));
+            steps.push(step(&asked, iteration));
         }
     };
     let deadline = budget.map(|budget| begin + budget);
     let watch = Watch { see: &see, go_on: &|| is_time_left(deadline) };
-    let plan = plan_in(&query, planner, &options, watch)?;
-    let time = begin.elapsed();
     // What is reported and drawn is the robot itself.
-    let asked = query.clone();
-    let query = if args.margin > 0.0 { Query::of(task, &options.profile) } else { query };
+    let query = if args.margin > 0.0 { Query::of(task, &options.profile) } else { asked.clone() };
+    let (plan, relaxed) = plan_with_margin(&query, &asked, planner, &options, watch)?;
+    let time = begin.elapsed();
     let mut trace = trace.into_inner().unwrap_or_default();
     trace.sort_by_key(|step| (step.start, step.iteration));
-    Ok(Attempt { planner: name.into(), asked, query, plan, time, trace, deadline })
+    Ok(Attempt { planner: name.into(), asked, query, plan, relaxed, time, trace, deadline })
 }
 
 /// Whether the time budget, if there is one, is not spent.
@@ -318,7 +337,7 @@ pub fn step(query: &Query, iteration: &Iteration<'_>) -> TraceStep {
 }
 
 fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> PlanDocument {
-    let Attempt { planner, query, plan, time, trace, deadline, .. } = attempt;
+    let Attempt { planner, query, plan, relaxed, time, trace, deadline, .. } = attempt;
     let certified = plan.certified();
     let go_on = || is_time_left(deadline);
     let optimal = || query.scene().exact(query.start(), query.goal(), &go_on)?.length();
@@ -338,11 +357,10 @@ fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> PlanDocument {
         turning_radius: certified.map(Trajectory::turning_radius),
         roughness: certified.map(Trajectory::roughness),
         certified: certified.is_some(),
-        warnings: args
-            .bends
-            .wishes()
-            .and_then(|wishes| broken(&wishes, certified?))
-            .into_iter()
+        warnings: relaxed
+            .iter()
+            .map(ToString::to_string)
+            .chain(args.bends.wishes().and_then(|wishes| broken(&wishes, certified?)))
             .collect(),
         joints: query.scene().arm().map(|scene| joint_names(scene.arm())),
         waypoints: plan.trajectory().map_or_else(Vec::new, rows),
@@ -361,9 +379,13 @@ fn reason(args: &PlanArgs, task: &Task, query: &Query, plan: &Plan) -> String {
         (Status::Invalid(violation), _, Some(scene)) => {
             arm::explain_ends(scene, [query.start(), query.goal()], violation)
         }
-        (Status::Unsolved(reason), _, Some(scene)) => match (reason.violation(), &plan.attempt) {
+        (Status::Unsolved(reason), plane, scene) => match (reason.violation(), &plan.attempt) {
             (Some(violation), Some(path)) => {
-                let words = arm::explain(scene, path, violation);
+                let words = match (plane, scene) {
+                    (Ok(task), _) => explain_path(&task, args.margin, path, violation),
+                    (_, Some(scene)) => arm::explain(scene, path, violation),
+                    _ => violation.to_string(),
+                };
                 reason.to_string().replace(&violation.to_string(), &words)
             }
             _ => reason.to_string(),

@@ -12,8 +12,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Args;
+use sidestep::Profile;
 use sidestep::scene::Scene;
-use sidestep::{Profile, Robot};
 use sidestep_io::input::Question;
 
 use crate::Global;
@@ -45,10 +45,8 @@ pub struct ServeArgs {
 
 /// What all clients share.
 pub struct Base {
-    /// The map without what clients add, prepared for the robot with its margin.
-    pub scene: Scene,
-    /// The robot itself.
-    pub robot: Robot,
+    /// The map without what clients add, for the robot with its margin and for the robot itself.
+    pub scenes: [Scene; 2],
     /// What plans keep from everything.
     pub margin: f64,
 }
@@ -64,7 +62,7 @@ pub fn run(args: &ServeArgs, global: &Global) -> Result<(), Failure> {
         ..Question::default()
     };
     let task = input::read(&args.map, &args.from, question)?.tasks.swap_remove(0);
-    let robot = task.plane()?.robot;
+    task.plane()?;
     let with_margin = task.with_margin(args.margin);
     let setting = with_margin.map_err(|error| Failure::at("--margin", error.to_string()))?.setting;
     let scene = Scene::new(&setting, &Profile::DEFAULT);
@@ -72,7 +70,8 @@ pub fn run(args: &ServeArgs, global: &Global) -> Result<(), Failure> {
     if let Some(plane) = scene.plane() {
         plane.shortest_path().prepare_bounds(&|| true);
     }
-    let base = Arc::new(Base { scene, robot, margin: args.margin });
+    let own = Scene::new(&task.setting, &Profile::DEFAULT);
+    let base = Arc::new(Base { scenes: [scene, own], margin: args.margin });
     let Some(port) = args.port else {
         session(io::stdin().lock(), io::stdout(), &base);
         return Ok(());

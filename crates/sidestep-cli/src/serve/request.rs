@@ -32,6 +32,9 @@ pub enum Request {
         /// Least turning radius that is wished, in task units.
         #[serde(default)]
         min_radius: Option<f64>,
+        /// How far a start or goal that is not free may be moved, in task units.
+        #[serde(default)]
+        snap: Option<f64>,
     },
     /// An obstacle by a name of the client's choice, new or moved.
     Set {

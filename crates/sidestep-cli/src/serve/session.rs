@@ -10,10 +10,11 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
+use sidestep::plan::ends::plan_with_margin;
 use sidestep::plan::run::Iteration;
-use sidestep::plan::{Options, Planner, Status, Stop, Watch, Wishes, plan_in};
+use sidestep::plan::{Options, Planner, Status, Stop, Watch, Wishes};
 use sidestep::plane::geometry::Point;
-use sidestep::plane::{explain, points};
+use sidestep::plane::{explain, explain_path, points};
 use sidestep::scene::{Query, Scene};
 use sidestep::trajectory::driving::{DrivingLimits, drive, spaced};
 use sidestep::{Obstacle, Task, Trajectory};
@@ -28,6 +29,8 @@ use crate::obstacle::parse_obstacle;
 const WAITING: usize = 64;
 /// Most poses of an answer.
 const MOST_POSES: usize = 10_000;
+/// What a base without a map would answer.
+const NO_MAP: &str = "there is no map";
 /// Most obstacles of a client.
 const MOST_OBSTACLES: usize = 10_000;
 
@@ -70,14 +73,14 @@ fn read_all(
 struct Client<'a> {
     base: &'a Base,
     obstacles: BTreeMap<String, Obstacle>,
-    /// The scene of the map with the obstacles, until one of them changes.
-    scene: Option<Arc<Scene>>,
+    /// The scenes of the map with the obstacles, until one of them changes.
+    scenes: Option<[Arc<Scene>; 2]>,
     last: Option<Trajectory>,
 }
 
 impl<'a> Client<'a> {
     fn new(base: &'a Base) -> Self {
-        Self { base, obstacles: BTreeMap::new(), scene: None, last: None }
+        Self { base, obstacles: BTreeMap::new(), scenes: None, last: None }
     }
 
     fn answer_all(
@@ -113,22 +116,22 @@ impl<'a> Client<'a> {
             Request::Set { id, name, obstacle } => (id, self.set(name, &obstacle)),
             Request::Remove { id, name } => {
                 let removed = self.obstacles.remove(&name).is_some();
-                self.scene = None;
+                self.scenes = None;
                 let unknown = || format!("there is no obstacle named {name:?}");
                 (id, if removed { Ok(json!({ "ok": true })) } else { Err(unknown()) })
             }
             Request::Clear { id } => {
                 self.obstacles.clear();
-                self.scene = None;
+                self.scenes = None;
                 (id, Ok(json!({ "ok": true })))
             }
             Request::Cancel { id } => (id, Ok(json!({ "ok": true }))),
             Request::Info { id } => {
-                let bounds = self.base.scene.plane().map(|plane| plane.world().bounds());
+                let bounds = self.base.scenes[1].plane().map(|plane| plane.world().bounds());
                 let answer = json!({
                     "ok": true,
                     "bounds": bounds.map(|bounds| [bounds.min, bounds.max]),
-                    "robot_radius": self.base.robot.radius(),
+                    "robot_radius": self.base.scenes[1].plane().map(|plane| plane.robot().radius()),
                     "margin": self.base.margin,
                     "obstacles": self.obstacles.keys().collect::<Vec<_>>(),
                 });
@@ -151,18 +154,20 @@ impl<'a> Client<'a> {
         }
         let obstacle = parse_obstacle(obstacle)?;
         let moved = self.obstacles.insert(name, obstacle).is_some();
-        self.scene = None;
+        self.scenes = None;
         Ok(json!({ "ok": true, "moved": moved }))
     }
 
-    /// The scene of the map with the client's obstacles.
-    fn scene(&mut self) -> Result<Arc<Scene>, String> {
-        if let Some(scene) = &self.scene {
-            return Ok(scene.clone());
+    /// The scenes of the map with the client's obstacles.
+    fn scenes(&mut self) -> Result<[Arc<Scene>; 2], String> {
+        if let Some(scenes) = &self.scenes {
+            return Ok(scenes.clone());
         }
         let obstacles: Vec<_> = self.obstacles.values().cloned().collect();
-        let scene = self.base.scene.with_obstacles(&obstacles).ok_or("not a map")?;
-        Ok(self.scene.insert(Arc::new(scene)).clone())
+        let with = |scene: &Scene| scene.with_obstacles(&obstacles).map(Arc::new);
+        let [asked, own] = &self.base.scenes;
+        let scenes = [with(asked).ok_or(NO_MAP)?, with(own).ok_or(NO_MAP)?];
+        Ok(self.scenes.insert(scenes).clone())
     }
 
     fn plan(
@@ -180,6 +185,7 @@ impl<'a> Client<'a> {
             stream,
             max_turn,
             min_radius,
+            snap,
             ..
         } = request
         else {
@@ -194,11 +200,20 @@ impl<'a> Client<'a> {
             ms => ms.map(|ms| Duration::from_secs_f64(ms / 1e3)),
         };
         let planner: Planner = planner.as_deref().unwrap_or("auto").parse().map_err(words)?;
-        let scene = self.scene()?;
-        let world = scene.plane().ok_or("not a map")?.world().clone();
-        let own = Task::in_plane("", world, self.base.robot, *start, *goal).map_err(words)?;
-        let task = own.with_margin(self.base.margin).map_err(words)?;
-        let query = Query::new(&scene, &task).map_err(words)?;
+        let scenes = self.scenes()?;
+        let task = |scene: &Scene, start: Point, goal: Point| {
+            let plane = scene.plane().ok_or(NO_MAP)?;
+            let world = plane.world().clone();
+            Task::in_plane("", world, plane.robot(), start, goal).map_err(words)
+        };
+        let (mut own, mut changes) = (task(&scenes[1], *start, *goal)?, Vec::new());
+        if let Some(most) = snap {
+            (own, changes) = own.snapped(self.base.margin, *most).map_err(words)?;
+        }
+        let plane = own.plane().map_err(words)?;
+        let asked = task(&scenes[0], plane.start, plane.goal)?;
+        let query = Query::new(&scenes[0], &asked).map_err(words)?;
+        let own_query = Query::new(&scenes[1], &own).map_err(words)?;
         let wishes = Wishes::default();
         let wished = max_turn.is_some() || min_radius.is_some();
         let options = Options {
@@ -219,8 +234,10 @@ impl<'a> Client<'a> {
                 see(values.as_chunks::<2>().0, iteration.index);
             }
         };
-        let plan = plan_in(&query, &planner, &options, Watch { see: &show, go_on: &in_time })
-            .map_err(words)?;
+        let watch = Watch { see: &show, go_on: &in_time };
+        let (plan, relaxed) =
+            plan_with_margin(&own_query, &query, &planner, &options, watch).map_err(words)?;
+        changes.extend(relaxed);
         let certified = plan.certified();
         let limits = DrivingLimits::default();
         let poses = certified
@@ -235,6 +252,13 @@ impl<'a> Client<'a> {
         });
         let reason = match (&plan.status, own.plane()) {
             (Status::Invalid(violation), Ok(task)) => explain(&task, self.base.margin, violation),
+            (Status::Unsolved(reason), Ok(task)) => match (reason.violation(), &plan.attempt) {
+                (Some(violation), Some(path)) => {
+                    let words = explain_path(&task, self.base.margin, path, violation);
+                    reason.to_string().replace(&violation.to_string(), &words)
+                }
+                _ => reason.to_string(),
+            },
             (status, _) => status.reason(),
         };
         let answer = json!({
@@ -242,9 +266,13 @@ impl<'a> Client<'a> {
             "status": plan.status.name(),
             "reason": reason,
             "nav2_error_code": nav2_error_code(&plan.status),
+            "warnings": changes.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "origin": certified.map(|_| plan.origin.to_string()),
             "length": certified.map(Trajectory::length),
             "sharpest_turn_deg": certified.map(|path| path.sharpest_turn().to_degrees()),
+            "turning_radius": certified.map(Trajectory::turning_radius).filter(|radius| radius.is_finite()),
+            "roughness": certified.map(Trajectory::roughness),
+            "clearance": certified.map(|path| own_query.scene().clearance(path)).filter(|c| c.is_finite()),
             "time_us": begin.elapsed().as_secs_f64() * 1e6,
             "poses": poses.unwrap_or_default(),
         });

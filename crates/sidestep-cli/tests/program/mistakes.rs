@@ -45,7 +45,8 @@ fn natural_mistakes_are_answered() {
         ("plan EXAMPLES/office.yaml --start 11,18 --goal 1,1", 2, &["x and y swapped"]),
         ("plan EXAMPLES/office.yaml --start 100,60 --goal 1,1", 2, &["in cells of 0.05"]),
         ("plan free.json --robot-radius 6", 2, &["a robot of radius 6", "does not fit"]),
-        ("plan free.json --margin 1.5", 2, &["a margin of 1.5", "reaches past", "is free"]),
+        ("plan free.json --margin 1.5", 0, &["the margin is not kept within 0.707 of it"]),
+        ("plan free.json --margin 6", 2, &["a margin of 6", "does not fit"]),
     ];
     for (line, code, parts) in rows {
         check(folder.path(), line, *code, parts);

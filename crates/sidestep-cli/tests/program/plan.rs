@@ -20,6 +20,35 @@ const FIELDS: [&str; 11] = [
 ];
 
 #[test]
+fn ends_that_are_not_free_are_moved_or_have_less_than_the_margin_and_it_is_said() {
+    let folder = folder();
+    let solved = |line: &str, code: i32| {
+        let out = check(folder.path(), &format!("plan block.json {line} --json"), code, &[]);
+        let answer = out.json();
+        (answer["warnings"].to_string(), answer["waypoints"][0].clone(), answer)
+    };
+    let (told, start, _) = solved("--start 1,1", 0);
+    assert_eq!((told.as_str(), start), ("[]", serde_json::json!([1.0, 1.0])));
+    // The robot stands 0.2 from the field's border.
+    let (told, start, answer) = solved("--start 0.2,5 --margin 0.5", 0);
+    assert!(told.contains("the start (0.2, 5) has a clearance of 0.200 only"), "{told}");
+    assert_eq!(start, serde_json::json!([0.2, 5.0]));
+    assert!((answer["clearance"].as_f64().unwrap() - 0.2).abs() < 1e-6);
+    let (told, start, _) = solved("--start=-0.5,5 --margin 0.5 --snap 2", 0);
+    assert!(told.contains("is not free and was moved by 1.000 to (0.500, 5.000)"), "{told}");
+    assert!((start[0].as_f64().unwrap() - 0.5).abs() < 1e-3, "{start}");
+    let (told, ..) = solved("--start=-0.5,5 --margin 0.5 --snap 0.2", 2);
+    assert_eq!(told, "[]");
+    check(folder.path(), "plan block.json --snap -1", 2, &["--snap: -1", "from 0 to 10"]);
+    check(
+        folder.path(),
+        "plan block.json --planner gd --steps 0",
+        1,
+        &["the rectangle [", " at ("],
+    );
+}
+
+#[test]
 fn statuses_and_exit_codes() {
     let folder = folder();
     let rows = [

@@ -37,11 +37,15 @@ fn obstacles_come_and_go_and_plans_go_round_them() {
         r#"{"op":"remove","name":"b"}"#,
         plan,
         r#"{"op":"info","id":"i"}"#,
+        r#"{"op":"plan","start":[-0.5,1],"goal":[9,9],"snap":1}"#,
     ]
     .join("\n");
     let answers = answers(requests.as_bytes());
     let status = |i: usize| answers[i]["status"].as_str().unwrap();
-    assert_eq!(answers.len(), 8);
+    assert_eq!(answers.len(), 9);
+    assert!(answers[8]["warnings"][0].as_str().unwrap().contains("was moved by 0.500"));
+    assert!(answers[0]["warnings"].as_array().unwrap().is_empty());
+    assert!(answers[2]["clearance"].as_f64().unwrap() >= 0.0);
     assert_eq!(
         [status(0), status(2), status(4), status(6)],
         ["solved", "solved", "unsolvable", "solved"]

@@ -37,6 +37,8 @@ pub struct TaskPanel {
     shading: Option<Shading>,
     swept: bool,
     margin: f64,
+    /// Where the margin is not kept: a place, and how far around it.
+    relaxed: Vec<(Point, f64)>,
     unit: String,
     blocked: Option<Blocked>,
     colors_used: usize,
@@ -63,6 +65,7 @@ impl TaskPanel {
             shading: None,
             swept: true,
             margin: 0.0,
+            relaxed: Vec::new(),
             unit: String::new(),
             blocked: None,
             colors_used: 0,
@@ -90,6 +93,12 @@ impl TaskPanel {
     /// Draws how far around the robot is to stay free, along each path and at both ends; in task units.
     pub fn margin(mut self, margin: f64) -> Self {
         self.margin = margin.max(0.0);
+        self
+    }
+
+    /// Marks a place that the margin is not kept within `radius` of.
+    pub fn relaxed(mut self, place: Point, radius: f64) -> Self {
+        self.relaxed.push((place, radius));
         self
     }
 
@@ -177,6 +186,10 @@ impl TaskPanel {
             let mark = if layer.fan { Mark::Fan { color } } else { Mark::Line(layer.style) };
             entries.push(Entry { mark, label: layer.label.clone() });
         }
+        if !self.relaxed.is_empty() {
+            let mark = Mark::Line(relaxed_style());
+            entries.push(Entry { mark, label: "margin not kept".into() });
+        }
         if self.blocked.is_some() {
             entries.push(Entry { mark: Mark::Blocked, label: "blocked".into() });
         }
@@ -218,6 +231,11 @@ impl TaskPanel {
             for layer in &self.layers {
                 draw_layer(canvas, &view, layer);
             }
+            for (place, radius) in &self.relaxed {
+                let (center, radius) = (view.pixel(*place), view.scale() * radius);
+                let stroke = Some(Stroke::styled(relaxed_style(), 2.5));
+                canvas.shapes.push(Shape::Circle { center, radius, fill: None, stroke });
+            }
             for center in self.ends.map(|p| view.pixel(p)) {
                 if radius > 4.0 {
                     let stroke = Some(Stroke::new(TEXT.with_opacity(0.7), 1.25));
@@ -240,6 +258,11 @@ impl TaskPanel {
             legend::draw_cross(canvas, view.pixel(place));
         }
     }
+}
+
+/// Of the circles within which the margin is not kept.
+fn relaxed_style() -> LineStyle {
+    LineStyle { color: palette(1), dash: Some([2.0, 4.0]) }
 }
 
 /// The area that a disc sweeps along the layer's trajectories.

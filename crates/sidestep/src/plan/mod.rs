@@ -7,6 +7,7 @@
 
 mod answer;
 mod auto;
+pub mod ends;
 mod exact;
 pub mod fair;
 mod jointed;

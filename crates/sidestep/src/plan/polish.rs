@@ -77,11 +77,14 @@ pub fn round_off(
     wishes: &Wishes,
     watch: Watch<'_>,
 ) -> Trajectory {
-    let scene = query.scene();
-    let is_free = |from: &[f64], to: &[f64]| scene.motion_is_free(from, to);
-    let reach = scene.plane().map_or(0.0, |plane| plane.robot().radius());
-    let length = ease(scene).max(reach).max(2.0 * wishes.radius);
-    fair(path, length, wishes, &is_free, watch.go_on)
+    let is_free = |from: &[f64], to: &[f64]| query.scene().motion_is_free(from, to);
+    fair(path, reach(query, wishes), wishes, &is_free, watch.go_on)
+}
+
+/// Lengths that fairing begins with.
+pub(super) fn reach(query: &Query, wishes: &Wishes) -> f64 {
+    let radius = query.scene().plane().map_or(0.0, |plane| plane.robot().radius());
+    ease(query.scene()).max(radius).max(2.0 * wishes.radius)
 }
 
 /// The plan made round where it bends; of both the one of the better [`score`], and never one that is not certified.

@@ -5,9 +5,11 @@
 mod bit_grid;
 pub mod certificate;
 pub mod distance;
+pub mod ends;
 mod explain;
 mod frame;
 pub mod geometry;
+mod near;
 mod opened;
 mod robot;
 mod sampled_check;
@@ -18,8 +20,9 @@ mod task;
 pub mod view;
 pub mod world;
 
-pub use explain::explain;
+pub use explain::{explain, explain_path};
 pub use frame::Frame;
+pub use near::place_near;
 pub(crate) use opened::opened;
 pub use robot::Robot;
 pub use scene::{MOST_SHAPES_OF_A_FIELD, PlaneScene, Subject};

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::arm::Arm;
 use crate::error::{InvalidInput, finite, finite_point};
+use crate::plane::ends::{EndChange, snapped};
 use crate::plane::geometry::Point;
 use crate::plane::world::World;
 use crate::plane::{PlaneTask, Robot};
@@ -130,6 +131,16 @@ impl Task {
                 Ok(Self { setting, ..self.clone() })
             }
         }
+    }
+
+    /// The same question between ends where the robot can stand: one that is not free is moved by at most `most`, in task units, to
+    /// where the robot has the margin if there is such a place, else to where it is free; and what was changed.
+    ///
+    /// # Errors
+    /// If the robot has joints, or a number is not allowed.
+    pub fn snapped(&self, margin: f64, most: f64) -> Result<(Self, Vec<EndChange>), InvalidInput> {
+        let ([start, goal], changes) = snapped(&self.plane()?, margin, most)?;
+        Ok((Self { start: start.to_vec(), goal: goal.to_vec(), ..self.clone() }, changes))
     }
 
     /// The parts of a task in the plane.
