@@ -1,6 +1,8 @@
 """Policies taken apart, put together, and run elsewhere."""
 
+import json
 import pickle
+import re
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +51,36 @@ def get(name):
     return MADE[name]() if name in MADE else load(name)
 
 
+def arm():
+    """A robot with joints, some tasks of it, and a policy of random numbers that sees it."""
+    robots = Path(__file__).parents[2] / "crates/sidestep-io/tests/robots"
+    joints = [f"panda_joint{i}" for i in range(1, 8)]
+    robot = sidestep.Robot.from_urdf(robots / "panda_spherized.urdf", srdf=robots / "panda.srdf", joints=joints)
+    post = {"name": "post", "shapes": [{"cylinder": {"radius": 0.05, "length": 1.5}, "position": [0.45, 0.25, 0.75]}]}
+    scene, rng = sidestep.Scene([post]), np.random.default_rng(3)
+    low, high = robot.limits.T
+    draw = lambda: low + (high - low) * rng.uniform(0.2, 0.8, 7)  # noqa: E731
+    tasks = [robot.task(scene, draw(), draw()) for _ in range(100)]
+
+    def seeing(balls):
+        inputs, width = 12 * 7 + 3 * balls + 17, 32
+        shapes = {"layers.0": (width, inputs), "layers.5": (7, width)}
+        shapes |= {f"layers.{k}": (width, width * (3 if k % 2 else 1)) for k in range(1, 5)}
+        more = {"dof": 7, "profile": "default", "action": {"scale": 0.3, "limit": 0.5, "keep_inside": True}}
+        return made("waypoint", [f"joints:{balls}"], [inputs, width, 1, 4], shapes, **more)
+
+    x = sidestep.Objective(tasks[:1], waypoints=2).straight_lines()
+    with pytest.raises(ValueError, match="joints:") as told:
+        seeing(1).look(tasks[:1], x)
+    return tasks, seeing(int(re.search(r"joints:([0-9]+)", str(told.value)).group(1)))
+
+
+def arm_trajectories(tasks, waypoints, seed):
+    x = sidestep.Objective(tasks, waypoints=waypoints).straight_lines()
+    rng = np.random.default_rng(seed)
+    return x + rng.normal(size=x.shape).astype(np.float32) * rng.uniform(0, 0.3, (len(tasks), 1, 1)).astype(np.float32)
+
+
 def test_a_policy_is_its_card_and_its_arrays(tmp_path):
     for name in ALL:
         policy = get(name)
@@ -93,9 +125,22 @@ def test_onnx_answers_as_planning_does(name, tmp_path):
         moved += int((np.abs(update) > 1e-3).any((1, 2)).sum())
     assert worst <= 1e-5, worst
     assert moved > 900
-    import json
-
     assert json.loads(session.get_modelmeta().custom_metadata_map["sidestep"]) == policy.card
+
+
+def test_onnx_answers_as_planning_does_with_joints():
+    runtime = pytest.importorskip("onnxruntime")
+    pytest.importorskip("onnx")
+    from sidestep import onnx
+
+    tasks, policy = arm()
+    session = runtime.InferenceSession(onnx.to_model(policy).SerializeToString(), providers=["CPUExecutionProvider"])
+    for seed, waypoints in enumerate([1, 2, 3, 5, 8, 10, 15, 30, 60, 100]):
+        inputs, update = policy.look(tasks, arm_trajectories(tasks, waypoints, seed))
+        assert set(inputs) == {"rows", "base"}
+        (found,) = session.run(["update"], inputs)
+        np.testing.assert_allclose(found, update, atol=1e-5, rtol=0)
+        assert ((np.abs(update) > 1e-3) & (np.abs(update) < 0.5)).any((1, 2)).mean() > 0.9
 
 
 def test_mistakes_with_policies_are_named(tmp_path):

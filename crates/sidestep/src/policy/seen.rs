@@ -80,10 +80,12 @@ impl Policy {
                 blank(view, network, &mut seen.rows);
             }
             PolicyNetwork::Joints { view, network } => {
-                let subject = objective.arm().filter(|s| *view == ArmViewShape::of(s.scene.arm()));
-                let allowed =
-                    || refuse(format!("a robot of {} balls that are looked at for it", view.balls));
-                let subject = subject.ok_or_else(allowed)?;
+                let subject = objective.arm();
+                let subject = subject.ok_or_else(|| refuse("a robot with joints for it".into()))?;
+                let fits = ArmViewShape::of(subject.scene.arm());
+                if *view != fits {
+                    return Err(refuse(format!("one that sees {}, its robot", fits.names()[0])));
+                }
                 let (mut own, mut sensor) = (ArmView::new(subject), ArmSensor::new(subject));
                 let mut scratch = network.scratch(subject.waypoints);
                 let rows = scratch.input(subject.waypoints, network.input_stride());
