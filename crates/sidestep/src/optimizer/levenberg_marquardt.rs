@@ -9,10 +9,6 @@
 use crate::objective::Objective;
 use crate::trajectory::BlockTridiagonal;
 
-/// Chosen on planar arms of 3, 4 and 6 joints and the Panda in shelves and cages, tasks of seeds that no suite uses; in the
-/// plane, too, nothing from 0 to 0.1 is better or worse.
-pub(super) const DAMPING: f32 = 0.01;
-
 #[derive(Debug)]
 pub(super) struct LevenbergMarquardt {
     damping: f32,

@@ -23,6 +23,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::error::InvalidInput;
 use crate::objective::{Cost, Objective};
 use crate::policy::Policy;
+use crate::trajectory::DAMPING;
 
 /// An optimizer and its settings. Steps are in normalised units; a robot with joints has rad and m, and needs smaller ones than
 /// the plane (docs/research/arms.md).
@@ -82,7 +83,7 @@ pub enum Method {
 impl Method {
     /// Levenberg-Marquardt as it is usually set.
     pub const fn levenberg_marquardt() -> Self {
-        Self::LevenbergMarquardt { damping: levenberg_marquardt::DAMPING }
+        Self::LevenbergMarquardt { damping: DAMPING }
     }
 }
 

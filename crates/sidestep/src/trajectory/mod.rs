@@ -10,7 +10,7 @@ mod violation;
 pub mod waypoints;
 
 pub use action::ActionRule;
-pub(crate) use block_tridiagonal::BlockTridiagonal;
+pub(crate) use block_tridiagonal::{BlockTridiagonal, DAMPING};
 pub(crate) use covariant::Covariant;
 pub use violation::{ObstacleId, Violation};
 

@@ -55,6 +55,8 @@ pub(super) struct Measure {
     pub gaps: Vec<Lane>,
     /// What links cost that are too near to each other.
     pub own: Lane,
+    /// The whole cost, whose slopes are [`Self::slopes`].
+    pub costs: Lane,
 }
 
 impl Measure {
@@ -65,6 +67,7 @@ impl Measure {
             gaps: vec![[HORIZON; LANES]; seen.len()],
             seen,
             own: [0.0; LANES],
+            costs: [0.0; LANES],
         }
     }
 
@@ -91,22 +94,29 @@ dispatch! {
 
 #[inline(always)]
 fn measure_body<const ISA: u8>(own: &mut Measure, certifier: &Certifier, epsilon: f32) {
-    let Measure { buffers, seen, gaps, own } = own;
+    let Measure { buffers, seen, gaps, costs, own } = own;
     begin::<ISA>(certifier, buffers);
     gaps.fill([HORIZON; LANES]);
-    let mut costs = [0.0; LANES];
+    costs.fill(0.0);
+    own.fill(0.0);
     let mut first = 0;
     while first < seen.len() {
         let part = seen[first].part;
         let count = seen[first..].iter().take_while(|ball| ball.part == part).count();
         let balls = first..first + count;
-        of_part::<ISA>(certifier, buffers, &seen[balls.clone()], epsilon, &mut gaps[balls]);
+        of_part::<ISA>(
+            certifier,
+            buffers,
+            &seen[balls.clone()],
+            epsilon,
+            (&mut gaps[balls], costs),
+        );
         first += count;
     }
     for &[a, b] in &certifier.arm.pairs {
-        from_itself::<ISA>(certifier, buffers, a, b, OF_LINKS * epsilon, &mut costs);
+        from_itself::<ISA>(certifier, buffers, a, b, OF_LINKS * epsilon, own);
     }
-    *own = costs;
+    costs.iter_mut().zip(&*own).for_each(|(cost, own)| *cost += own);
     let Buffers { frames, forces, moments, slopes, .. } = buffers;
     certifier.program.pull_back::<ISA>(frames, forces, moments, slopes);
 }
@@ -118,7 +128,7 @@ fn of_part<const ISA: u8>(
     buffers: &mut Buffers,
     seen: &[Seen],
     epsilon: f32,
-    gaps: &mut [Lane],
+    (gaps, costs): (&mut [Lane], &mut Lane),
 ) {
     let (arm, part) = (&certifier.arm, seen[0].part);
     let (count, margin) = (arm.parts.len(), arm.margin() as f32);
@@ -142,8 +152,9 @@ fn of_part<const ISA: u8>(
                 continue;
             }
             let (distances, normals) = surroundings.answer::<ISA>(piece, place);
-            let mut unused = [0.0; LANES];
-            let force = press(&mut unused, epsilon, &distances, &normals, radius);
+            let mut of_ball = [0.0; LANES];
+            let force = press(&mut of_ball, epsilon, &distances, &normals, radius);
+            costs.iter_mut().zip(of_ball).for_each(|(cost, own)| *cost += ball.weight * own);
             push(&force, place, ball.weight, &mut forces[slot], &mut moments[slot]);
         }
     }

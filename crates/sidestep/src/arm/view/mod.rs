@@ -1,13 +1,13 @@
 //! What a policy sees of a robot with joints: a row of numbers for each waypoint; and what its answer does.
 //!
-//! A step is that of covariant gradient descent on what is seen, the *base*, and the network's answer on top of it:
+//! A step is that of Levenberg-Marquardt on what is seen, the *base*, and the network's answer on top of it:
 //!
 //! ```text
-//! x <- x + clip(base + scale * output),   base = -STEP A^-1 dU
+//! x <- x + clip(base + scale * output),   base = -(H + mu A)^-1 dU
 //! ```
 //!
-//! with U the objective in the default profile, of three substeps a segment and the balls that are looked at (`measure.rs`), and A CHOMP's
-//! metric. A network that answers 0 is a classical optimizer; one that has learned leaves it where it is stuck.
+//! with U the objective in the default profile, of three substeps a segment and the balls that are looked at (`measure.rs`), H its Gauss-Newton
+//! curvature and A the covariant metric (`optimizer/levenberg_marquardt.rs`). A network that answers 0 is a classical optimizer; one that has learned leaves it where it is stuck.
 //!
 //! A row holds, for each joint: sine and cosine, place within the limits, offsets to start, goal and both neighbours, the last
 //! update, the base, slopes of the cost at the waypoint and along both adjacent segments; for each ball that is looked at: its gap at the
@@ -15,6 +15,7 @@
 //! (`SHARED` numbers). Training and planning call the same code.
 
 mod measure;
+mod sensor;
 
 #[cfg(test)]
 mod tests;
@@ -23,10 +24,9 @@ use super::scene::ArmScene;
 use super::sincos::sin_cos;
 use crate::arm::Arm;
 use crate::error::InvalidInput;
-use crate::kernels::LANES;
-use crate::profile::Profile;
-use crate::trajectory::{ActionRule, Covariant};
-use measure::{HORIZON, Measure, seen_count};
+use crate::trajectory::ActionRule;
+use measure::{HORIZON, seen_count};
+pub use sensor::ArmSensor;
 
 /// The name of the view in files, before `:` and how many balls are looked at.
 pub const PART: &str = "joints";
@@ -40,8 +40,6 @@ const SHARED: usize = 17;
 const SUBSTEPS: usize = 3;
 /// Points from one waypoint to the next.
 const PERIOD: usize = SUBSTEPS + 1;
-/// Step of the base.
-const STEP: f32 = 0.02;
 /// The gap, in metres, that small numbers resolve.
 const FINE: f32 = 0.03;
 
@@ -119,92 +117,6 @@ impl ArmSubject<'_> {
     }
 }
 
-/// Measures trajectories; one serves all trajectories of a question, one after the other.
-#[derive(Debug, Clone)]
-pub struct ArmSensor {
-    measure: Measure,
-    covariant: Covariant,
-    /// `[balls x points]`: gaps at substeps and waypoints, in the objective's order.
-    gaps: Vec<f32>,
-    /// `[dof x points]`.
-    slopes: Vec<f32>,
-    /// `[points]`.
-    own: Vec<f32>,
-    /// `[N x dof]`.
-    gradient: Vec<f32>,
-    points: usize,
-}
-
-impl ArmSensor {
-    /// For the trajectories of a question.
-    pub fn new(subject: ArmSubject<'_>) -> Self {
-        let measure = Measure::new(subject.scene.certifier());
-        let (dof, waypoints) = (subject.start.len(), subject.waypoints);
-        let points = ((waypoints + 1) * PERIOD - 1).next_multiple_of(LANES);
-        Self {
-            gaps: vec![0.0; measure.gaps.len() * points],
-            slopes: vec![0.0; dof * points],
-            own: vec![0.0; points],
-            gradient: vec![0.0; waypoints * dof],
-            covariant: Covariant::new(waypoints, dof),
-            measure,
-            points,
-        }
-    }
-
-    /// Measures the points of `x [N x dof]`.
-    fn look(&mut self, subject: ArmSubject<'_>, x: &[f32]) {
-        let Self { measure, gaps, slopes, own, points, .. } = self;
-        let epsilon = Profile::DEFAULT.epsilon as f32;
-        let last = (subject.waypoints + 1) * PERIOD - 2;
-        for first in (0..*points).step_by(LANES) {
-            for lane in 0..LANES {
-                // Padding stands where the last point stands.
-                let point = (first + lane).min(last);
-                let (segment, t) = (point / PERIOD, (point % PERIOD + 1) as f32 / PERIOD as f32);
-                let (from, to) = (subject.point(x, segment), subject.point(x, segment + 1));
-                for (k, q) in measure.q().iter_mut().enumerate() {
-                    q[lane] = if point % PERIOD == SUBSTEPS {
-                        to[k]
-                    } else {
-                        from[k] + t * (to[k] - from[k])
-                    };
-                }
-            }
-            measure.measure(subject.scene.certifier(), epsilon);
-            let copy = |from: &[[f32; LANES]], to: &mut [f32]| {
-                for (from, to) in from.iter().zip(to.chunks_exact_mut(*points)) {
-                    to[first..first + LANES].copy_from_slice(from);
-                }
-            };
-            copy(&measure.gaps, gaps);
-            copy(measure.slopes(), slopes);
-            own[first..first + LANES].copy_from_slice(&measure.own);
-        }
-    }
-
-    /// The gradient of U at what was measured.
-    fn slope(&mut self, subject: ArmSubject<'_>, x: &[f32]) {
-        let (dof, waypoints) = (subject.start.len(), subject.waypoints);
-        let lambda = Profile::DEFAULT.lambda as f32;
-        let at_waypoint = 1.0 / waypoints as f32;
-        let at_substep = 1.0 / ((waypoints + 1) * SUBSTEPS) as f32;
-        for i in 0..waypoints {
-            let [before, at, after] = [0, 1, 2].map(|k| subject.point(x, i + k));
-            for k in 0..dof {
-                let slopes = &self.slopes[k * self.points + i * PERIOD..];
-                let mut sum = at_waypoint * slopes[SUBSTEPS];
-                for j in 0..SUBSTEPS {
-                    let t = (j + 1) as f32 / PERIOD as f32;
-                    sum += at_substep * (t * slopes[j] + (1.0 - t) * slopes[PERIOD + j]);
-                }
-                let length = 2.0 * lambda * (2.0 * at[k] - before[k] - after[k]);
-                self.gradient[i * dof + k] = sum + length;
-            }
-        }
-    }
-}
-
 /// What one trajectory carries from step to step.
 #[derive(Debug, Clone)]
 pub struct ArmView {
@@ -244,9 +156,8 @@ impl ArmView {
     ) {
         sensor.look(subject, x);
         sensor.slope(subject, x);
-        let ArmSensor { covariant, gradient, .. } = &mut *sensor;
-        for (base, step) in self.base.iter_mut().zip(covariant.solve(gradient)) {
-            *base = -STEP * step;
+        for (base, step) in self.base.iter_mut().zip(sensor.step(subject.waypoints)) {
+            *base = -step;
         }
         for (i, row) in rows.chunks_exact_mut(stride).enumerate().take(subject.waypoints) {
             let end = self.write_joints(subject, sensor, x, i, row);

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::objective::Objective;
+use crate::profile::Profile;
 use crate::rng::{Purpose, stream};
 use crate::scene::{Query, Setting, Task};
 use crate::suite::arms::{ArmSuite, planar_arm_alone};
