@@ -44,14 +44,14 @@ pub struct TaskSet {
     pub exact: Vec<Exact>,
 }
 
-/// Measures one planner; steps `bar` twice per task.
+/// Measures one planner on tasks that hold the margin already, so many of them timed; steps `bar` twice per task.
 pub fn row(
     name: &str,
     planner: &Planner,
     suite: &str,
     sets: &[TaskSet],
     options: &Options,
-    timed: usize,
+    (timed, margin): (usize, f64),
     bar: &ProgressBar,
 ) -> Result<Row, Failure> {
     let mut outcomes = Vec::new();
@@ -91,6 +91,10 @@ pub fn row(
     let plans = || outcomes.iter().flatten();
     let invalid = plans().filter(|plan| matches!(plan.status, Status::Invalid(_))).count();
     let lengths: Vec<f64> = plans().filter_map(Plan::certified).map(Trajectory::length).collect();
+    let corner = |path: &Trajectory| path.sharpest_turn().to_degrees();
+    let mut corners: Vec<f64> = plans().filter_map(Plan::certified).map(corner).collect();
+    let corner_median_deg = quantile(&mut corners, 0.5);
+    let mut clearances = clearances(sets, &outcomes, options)?;
     let failures = if jointed { failures(sets, &outcomes, options) } else { Vec::new() };
     Ok(Row {
         planner: name.into(),
@@ -123,7 +127,26 @@ pub fn row(
         failures,
         length_ratio_median: quantile(&mut ratios, 0.5),
         roughness_median: quantile(&mut roughness, 0.5),
+        corner_median_deg,
+        corner_most_deg: quantile(&mut corners, 1.0),
+        clearance_median: quantile(&mut clearances, 0.5).map(|clearance| clearance + margin),
     })
+}
+
+/// Clearances of the certified plans in the plane.
+fn clearances(
+    sets: &[TaskSet],
+    outcomes: &[Vec<Plan>],
+    options: &Options,
+) -> Result<Vec<f64>, Failure> {
+    let mut all = Vec::new();
+    for (set, plans) in sets.iter().zip(outcomes) {
+        all.extend(in_scenes(set, options, |query, index| {
+            let path = plans[index].certified().filter(|_| query.scene().plane().is_some());
+            Ok(path.map(|path| query.scene().clearance(path)))
+        })?);
+    }
+    Ok(all.into_iter().flatten().filter(|clearance| clearance.is_finite()).collect())
 }
 
 /// The tasks without a certified plan, and why.

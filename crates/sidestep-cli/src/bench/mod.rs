@@ -22,6 +22,7 @@ use sidestep::{InvalidInput, Task};
 use sidestep_io::input::Question;
 
 use crate::Global;
+use crate::bends::BendArgs;
 use crate::failure::Failure;
 use crate::generate::{MAX_COUNT, draw};
 use crate::input::{self, InputArgs};
@@ -75,6 +76,18 @@ pub struct BenchArgs {
     planner: Vec<String>,
     #[command(flatten, next_help_heading = "Planner")]
     planning: PlanningArgs,
+    #[command(flatten, next_help_heading = "Planner")]
+    bends: BendArgs,
+    /// Distance that plans keep from obstacles and walls, and the shortest paths that lengths are compared with too, in task units;
+    /// not with a suite
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        conflicts_with = "suite",
+        help_heading = "Tasks"
+    )]
+    margin: f64,
     /// Tasks per seed or file that are timed, one after the other on one thread
     #[arg(long, default_value_t = 200, allow_negative_numbers = true, help_heading = "Output")]
     timed: usize,
@@ -97,10 +110,12 @@ pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
     check_output(args, &policies)?;
     // All but what depends on the field is known before tasks are drawn or read.
     args.planning.options(Some(f64::INFINITY), &every)?;
+    args.bends.check()?;
     let groups = task_groups(args, global)?;
     check_output(args, &args.from.files())?;
     let extent = groups[0].1[0].plane().ok().map(|task| task.world.bounds().extent());
-    let options = args.planning.options(extent, &every)?;
+    let mut options = args.planning.options(extent, &every)?;
+    options.wishes = args.bends.wishes();
     let total = groups.iter().map(|(_, tasks)| tasks.len() as u64).sum::<u64>();
     let bar = output::progress("exact shortest paths", total, global.quiet);
     let sets: Vec<TaskSet> = groups
@@ -126,7 +141,15 @@ pub fn run(args: &BenchArgs, global: &Global) -> Result<(), Failure> {
         for (planner_name, planner) in &planners {
             let total = sets.iter().map(|set| set.tasks.len() as u64).sum::<u64>();
             let bar = output::progress(planner_name, 2 * total, global.quiet);
-            rows.push(measure::row(planner_name, planner, name, sets, &options, args.timed, &bar)?);
+            rows.push(measure::row(
+                planner_name,
+                planner,
+                name,
+                sets,
+                &options,
+                (args.timed, args.margin),
+                &bar,
+            )?);
             bar.finish_and_clear();
         }
     }
@@ -172,6 +195,7 @@ fn settings(args: &BenchArgs, options: &Options) -> report::Settings {
         start_strategy: options.strategy.name().into(),
         task_seeds: if args.suite.is_some() { args.seeds.clone() } else { Vec::new() },
         planning_seed: options.seed,
+        margin: args.margin,
     }
 }
 
@@ -196,8 +220,15 @@ fn task_groups(args: &BenchArgs, global: &Global) -> Result<Groups, Failure> {
         }
         None => {
             let read = |path: PathBuf| {
-                let question = Question { seed: args.planning.seed, ..Question::default() };
-                let tasks = input::read(&path, &args.from, question)?.tasks;
+                let (seed, clearance) = (args.planning.seed, args.margin);
+                let question = Question { seed, clearance, ..Question::default() };
+                let mut tasks = input::read(&path, &args.from, question)?.tasks;
+                if args.margin != 0.0 {
+                    let wide = |task: &Task| task.with_margin(args.margin);
+                    let wide: Result<_, InvalidInput> = tasks.iter().map(wide).collect();
+                    let named = |error| InvalidInput { field: "--margin".into(), ..error };
+                    tasks = wide.map_err(named)?;
+                }
                 let label =
                     path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into());
                 let tasks = selection(tasks, args);

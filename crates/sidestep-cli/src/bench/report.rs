@@ -37,6 +37,13 @@ pub struct Settings {
     pub task_seeds: Vec<u64>,
     /// Seed of random starts and planners.
     pub planning_seed: u64,
+    /// Distance that plans keep from everything, in task units.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub margin: f64,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// A task without a certified plan.
@@ -113,4 +120,13 @@ pub struct Row {
     pub length_ratio_median: Option<f64>,
     /// Median sum of squared second differences of certified plans, over the squared optimal length.
     pub roughness_median: Option<f64>,
+    /// Median sharpest corner of certified plans, in degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub corner_median_deg: Option<f64>,
+    /// The sharpest corner of all certified plans, in degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub corner_most_deg: Option<f64>,
+    /// Median clearance of certified plans, in task units: from the robot itself, the margin included.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clearance_median: Option<f64>,
 }

@@ -110,7 +110,7 @@ const NOTHING: &str = "-";
 /// A column: its heading and a row's cell.
 type Column = (&'static str, fn(&Row, &Report) -> String);
 
-const COLUMNS: [Column; 17] = [
+const COLUMNS: [Column; 21] = [
     ("planner", |row, _| format!("`{}`", row.planner)),
     ("suite", |row, _| row.suite.clone()),
     ("starts", |row, _| row.starts.to_string()),
@@ -131,6 +131,10 @@ const COLUMNS: [Column; 17] = [
     ("invalid ends", |row, _| row.invalid.map_or_else(|| NOTHING.into(), |n| n.to_string())),
     ("length", |row, _| number(row.length_mean, 3)),
     ("length/optimal", |row, _| number(row.length_ratio_median, 3)),
+    ("corner p50 deg", |row, _| number(row.corner_median_deg, 1)),
+    ("corner most deg", |row, _| number(row.corner_most_deg, 1)),
+    ("roughness", |row, _| number(row.roughness_median, 5)),
+    ("clearance", |row, _| number(row.clearance_median, 3)),
 ];
 
 /// The report as a Markdown table with its provenance.
