@@ -97,7 +97,7 @@ fn a_page_shows_the_way_and_corners_are_cut() {
     check(folder.path(), &failed, 1, &["\"post\""]);
     let page = read("failed.html");
     assert!(page.contains("\"hit\":true") && page.contains("the last attempt"));
-    let iterates = line("--scene post.json --planner gd --steps 60 --html failed.html");
+    let iterates = line("--scene post.json --planner gd:step=1e-6 --steps 60 --html failed.html");
     check(folder.path(), &iterates, 1, &["unsolved"]);
     let page = read("failed.html");
     assert!(page.contains("\"label\":\"0\"") && page.contains("\"label\":\"60\""));

@@ -1,9 +1,9 @@
-//! The planner `auto` for robots with joints, where no search is exact: the straight line, RRT-Connect with short cuts, and where
-//! the best plan is asked for or the trees find none, a few steps of Levenberg-Marquardt from the straight line.
+//! The planner `auto` for robots with joints, where no search is exact: the straight line, a few steps of Levenberg-Marquardt from
+//! it, and RRT-Connect, each with short cuts.
 //!
 //! Nothing is promised about the length, and a failure proves nothing. Where the best plan is asked for, as many ways are
-//! looked for as there are starts (trees go the wrong way round as often as not), and the shortest is made smooth.
-//! L-BFGS first, for each plan, took three times as long as the trees with their short cuts, for plans as long (docs/research/arms.md).
+//! looked for as there are starts (trees go the wrong way round as often as not), and the shortest is made smooth. What the
+//! optimizer finds is shorter than what the trees do, and sooner there (docs/research/arms.md).
 
 use crate::error::InvalidInput;
 use crate::optimizer::Method;
@@ -15,8 +15,10 @@ use crate::plan::rrt_connect::{RrtConnect, RrtRun, shortcut};
 use crate::rng::{Purpose, stream};
 use crate::scene::Query;
 
-/// Steps of Levenberg-Marquardt: it is through after a few, or hardly ever.
+/// Steps of Levenberg-Marquardt where the best plan is asked for or nothing else helps: it is through after a few, or hardly ever.
 const STEPS: usize = 12;
+/// Steps before the trees where the first plan will do.
+const FEW: usize = 4;
 /// Random short cuts on a path.
 const SHORT_CUTS: usize = 32;
 /// Samples of the first pair of trees, and twice as many of each further one; most problems need a few hundred. Trees that grew badly
@@ -31,14 +33,13 @@ pub(super) fn plan(
     options: &Options,
     watch: Watch<'_>,
 ) -> Result<Plan, InvalidInput> {
-    let mut best = None;
-    let mut tried = None;
-    if options.stop == Stop::Best {
-        let optimized = optimized(query, options, watch)?;
-        best = shortened(query, options, &optimized);
-        tried = Some(optimized);
+    let first = options.stop == Stop::First;
+    let tried = optimized(query, options, if first { FEW } else { STEPS }, watch)?;
+    let mut best = shortened(query, options, &tried);
+    if let (Some(plan), true) = (&best, first) {
+        return Ok(plan.clone());
     }
-    let wanted = if options.stop == Stop::First { 1 } else { options.starts };
+    let wanted = if first { 1 } else { options.starts };
     let (mut spent, mut broken_off) = (0, false);
     for run in 0..RUNS.max(wanted) {
         if run >= wanted && best.is_some() {
@@ -62,10 +63,8 @@ pub(super) fn plan(
         }
     }
     let Some(best) = best else {
-        let optimized = match tried {
-            Some(optimized) => optimized,
-            None => optimized(query, options, watch)?,
-        };
+        // What was tried for a while may be through after some more.
+        let optimized = if first { optimized(query, options, STEPS, watch)? } else { tried };
         if let Some(plan) = shortened(query, options, &optimized) {
             return Ok(plan);
         }
@@ -85,9 +84,14 @@ pub(super) fn plan(
 }
 
 /// A few steps of Levenberg-Marquardt from the straight line.
-fn optimized(query: &Query, options: &Options, watch: Watch<'_>) -> Result<Plan, InvalidInput> {
+fn optimized(
+    query: &Query,
+    options: &Options,
+    steps: usize,
+    watch: Watch<'_>,
+) -> Result<Plan, InvalidInput> {
     let method = Method::levenberg_marquardt();
-    let few = Options { steps: options.steps.min(STEPS), starts: 1, ..options.clone() };
+    let few = Options { steps: options.steps.min(steps), starts: 1, ..options.clone() };
     optimize(query, &method, &few, watch)
 }
 
