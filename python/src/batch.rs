@@ -11,6 +11,7 @@ use sidestep_train::environments::{Environment, Problem, Rules};
 
 use crate::invalid;
 use crate::tasks::Task;
+use crate::threads::detach;
 
 /// Trajectories that an agent improves, one task each: environment e walks tasks e, e + count, .. in turn.
 ///
@@ -101,7 +102,7 @@ impl Batch {
                 "tasks: all must have {dof} coordinates, as the first has"
             )));
         }
-        py.detach(|| {
+        detach(py, || {
             let ready = |task| Problem::new(task, &profile, waypoints, &parts);
             let problems: Result<Vec<Problem>, _> = tasks.par_iter().map(ready).collect();
             let problems = problems.map_err(invalid)?;
@@ -156,7 +157,7 @@ impl Batch {
         if let Some(found) = mask.as_ref().map(Vec::len).filter(|found| *found != count) {
             return Err(invalid(format!("mask: {found} values are not allowed; expected {count}")));
         }
-        py.detach(|| match &mask {
+        detach(py, || match &mask {
             Some(mask) => {
                 for index in (0..count).filter(|index| mask[*index]) {
                     self.environments[index].reset(&self.problems, count);
@@ -198,7 +199,7 @@ impl Batch {
             return Err(invalid(format!("{place}: NaN is not allowed; expected a number")));
         }
         let size = self.observation_size();
-        let (seen, left) = py.detach(|| self.step_all(actions, size));
+        let (seen, left) = detach(py, || self.step_all(actions, size));
         let which: Vec<i64> =
             (0..count).filter(|i| left[*i].last.is_some()).map(|i| i as i64).collect();
         let last: Vec<f32> =

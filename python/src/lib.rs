@@ -13,6 +13,7 @@ mod planning;
 mod policy;
 mod robots;
 mod tasks;
+mod threads;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -40,6 +41,12 @@ mod _sidestep {
     #[pymodule_export]
     use super::tasks::{Task, read, read_problems, suite, write};
 
+    #[pymodule_init]
+    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
+        super::threads::begin();
+        Ok(())
+    }
+
     /// Version of the libraries.
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -47,6 +54,6 @@ mod _sidestep {
     /// Runs the program `sidestep` with these arguments (the first is its name); its exit code.
     #[pyfunction]
     fn main(py: Python<'_>, arguments: Vec<String>) -> u8 {
-        py.detach(|| sidestep_cli::main_with(arguments))
+        crate::threads::detach(py, || sidestep_cli::main_with(arguments))
     }
 }

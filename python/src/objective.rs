@@ -12,6 +12,7 @@ use crate::interrupt::Interrupt;
 use crate::invalid;
 use crate::own::with_cost;
 use crate::tasks::Task;
+use crate::threads::detach;
 
 /// The objective U = F_obs + lambda F_len of tasks with one kind of robot, for trajectories of as many waypoints.
 ///
@@ -51,7 +52,7 @@ impl Objective {
             return Err(invalid(format!("{message}, as the first has")));
         }
         let (watch, cost) = (Arc::new(Interrupt::new(None)), cost.map(Arc::new));
-        let all = py.detach(|| {
+        let all = detach(py, || {
             let one = |task: &sidestep::Task| {
                 let query = with_cost(Query::of(task, &profile), cost.as_ref(), &watch);
                 sidestep::objective::Objective::new(&query, waypoints)
@@ -84,7 +85,7 @@ impl Objective {
         let rows = self.rows(&x)?;
         let size = self.waypoints * self.dof;
         let all = &mut self.all;
-        let costs: Vec<f32> = py.detach(|| {
+        let costs: Vec<f32> = detach(py, || {
             all.par_iter_mut().zip(rows.par_chunks(size)).map(|(u, x)| u.cost(x).total).collect()
         });
         self.watch.check_again()?;
@@ -100,7 +101,7 @@ impl Objective {
         let rows = self.rows(&x)?;
         let size = self.waypoints * self.dof;
         let all = &mut self.all;
-        let (costs, gradient) = py.detach(|| {
+        let (costs, gradient) = detach(py, || {
             let mut gradient = vec![0.0; rows.len()];
             let costs: Vec<f32> = all
                 .par_iter_mut()
@@ -121,7 +122,7 @@ impl Objective {
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let rows = self.rows(&x)?;
         let size = self.waypoints * self.dof;
-        let free: Vec<bool> = py.detach(|| {
+        let free: Vec<bool> = detach(py, || {
             self.all.par_iter().zip(rows.par_chunks(size)).map(|(u, x)| u.is_certified(x)).collect()
         });
         Ok(Array1::from_vec(free).into_pyarray(py))

@@ -18,6 +18,7 @@ use crate::interrupt::Interrupt;
 use crate::invalid;
 use crate::own::{planner_of, with_cost};
 use crate::tasks::Task;
+use crate::threads::{detach, run};
 
 /// The answer to a task.
 #[pyclass(frozen, module = "sidestep")]
@@ -205,7 +206,7 @@ pub fn plan(
     )?;
     let (own, cost) = (Interrupt::new(settings.deadline), cost.map(Arc::new));
     let task = task.clone();
-    let plan = py.detach(|| {
+    let plan = detach(py, || {
         let begin = Instant::now();
         let asked = task.0.with_margin(settings.margin)?;
         let query = Query::of(&asked, &settings.options.profile);
@@ -285,28 +286,31 @@ pub fn plan_batch(
     let cost = cost.map(Arc::new);
     let plans = py.detach(|| {
         interrupt.beside(|| {
-            let asked: Result<Vec<sidestep::Task>, InvalidInput> =
-                tasks.iter().map(|task| task.with_margin(settings.margin)).collect();
-            let asked = asked?;
-            let groups: Result<Vec<Vec<Plan>>, InvalidInput> = by_setting(&asked)
-                .into_par_iter()
-                .map(|(first, group)| {
-                    let scene = Arc::new(Scene::of(&group[0], &settings.options.profile));
-                    let plan_one = |(offset, asked): (usize, &sidestep::Task)| {
-                        let index = first + offset;
-                        let begin = Instant::now();
-                        let query = Query::new(&scene, asked)?;
-                        let query = with_cost(query, cost.as_ref(), &interrupt);
-                        let options = Options { index: index as u64, ..settings.options.clone() };
-                        let own = Interrupt::new(settings.deadline);
-                        let both = Pair(&interrupt, &own);
-                        let task = Task(tasks[index].clone());
-                        one(&query, &settings, &options, &both, false, (begin, task))
-                    };
-                    group.par_iter().enumerate().map(plan_one).collect()
-                })
-                .collect();
-            groups
+            run(|| {
+                let asked: Result<Vec<sidestep::Task>, InvalidInput> =
+                    tasks.iter().map(|task| task.with_margin(settings.margin)).collect();
+                let asked = asked?;
+                let groups: Result<Vec<Vec<Plan>>, InvalidInput> = by_setting(&asked)
+                    .into_par_iter()
+                    .map(|(first, group)| {
+                        let scene = Arc::new(Scene::of(&group[0], &settings.options.profile));
+                        let plan_one = |(offset, asked): (usize, &sidestep::Task)| {
+                            let index = first + offset;
+                            let begin = Instant::now();
+                            let query = Query::new(&scene, asked)?;
+                            let query = with_cost(query, cost.as_ref(), &interrupt);
+                            let options =
+                                Options { index: index as u64, ..settings.options.clone() };
+                            let own = Interrupt::new(settings.deadline);
+                            let both = Pair(&interrupt, &own);
+                            let task = Task(tasks[index].clone());
+                            one(&query, &settings, &options, &both, false, (begin, task))
+                        };
+                        group.par_iter().enumerate().map(plan_one).collect()
+                    })
+                    .collect();
+                groups
+            })
         })
     });
     interrupt.check()?;
@@ -347,7 +351,7 @@ pub fn shortest_path<'py>(
 ) -> PyResult<Option<(f64, Bound<'py, PyArray2<f64>>)>> {
     let plane = task.0.plane().map_err(invalid)?;
     let route =
-        py.detach(|| ShortestPath::new(plane.world, plane.robot).find(plane.start, plane.goal));
+        detach(py, || ShortestPath::new(plane.world, plane.robot).find(plane.start, plane.goal));
     match route {
         Route::Found { length, trajectory, .. } => {
             let shape = (trajectory.len(), 2);

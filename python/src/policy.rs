@@ -16,6 +16,7 @@ use sidestep::{InvalidInput, Profile, Query};
 
 use crate::invalid;
 use crate::tasks::Task;
+use crate::threads::detach;
 
 /// A trained policy: its numbers, and a card that says what it sees, what its output means and where it comes from.
 ///
@@ -165,7 +166,7 @@ impl Policy {
         if values.iter().any(|value| !value.is_finite()) {
             return Err(invalid("x: expected finite numbers"));
         }
-        let all: Result<Vec<Seen>, InvalidInput> = py.detach(|| {
+        let all: Result<Vec<Seen>, InvalidInput> = detach(py, || {
             let rows = values.par_chunks((waypoints * dof).max(1));
             tasks
                 .par_iter()

@@ -16,6 +16,7 @@ use sidestep_io::scenes::{SCENE_FORMAT, SceneOptions, mesh, read_scene};
 
 use crate::invalid;
 use crate::tasks::Task;
+use crate::threads::detach;
 
 /// A robot with joints; its configurations are float64 `[dof]`, rad or m.
 #[pyclass(frozen, module = "sidestep")]
@@ -78,14 +79,14 @@ impl Robot {
     ) -> PyResult<Self> {
         let moving = joints.map_or(Moving::All, Moving::Joints);
         let preparation = Preparation { moving, held: held.into_iter().collect(), overhang };
-        let (file, arm) = py.detach(|| robot_of(&urdf, srdf.as_deref(), preparation))?;
+        let (file, arm) = detach(py, || robot_of(&urdf, srdf.as_deref(), preparation))?;
         Ok(Self { file, arm: Arc::new(arm) })
     }
 
     /// The robot of a robot file, which `sidestep robot --out` and `to_json` write.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        py.detach(|| Self::read(&text(&path)?).map_err(|error| told(&path, &error)))
+        detach(py, || Self::read(&text(&path)?).map_err(|error| told(&path, &error)))
     }
 
     /// The robot of a robot file's text.
@@ -183,7 +184,7 @@ impl Scene {
     #[staticmethod]
     #[pyo3(signature = (path, *, point_radius=0.01))]
     fn load(py: Python<'_>, path: PathBuf, point_radius: f64) -> PyResult<Self> {
-        py.detach(|| {
+        detach(py, || {
             let bytes = std::fs::read(&path).map_err(|error| told(&path, &error))?;
             let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
             let mut load = |name: &str| std::fs::read(folder.join(name));

@@ -16,6 +16,7 @@ use sidestep_io::{TaskFormat, write_tasks};
 
 use crate::invalid;
 use crate::robots::{robot_of, told};
+use crate::threads::detach;
 
 /// A motion planning task: a robot in its surroundings, a start and a goal.
 ///
@@ -186,7 +187,7 @@ pub fn read(
     robot_radius: Option<f64>,
     seed: u64,
 ) -> PyResult<Vec<Task>> {
-    py.detach(|| {
+    detach(py, || {
         let told = |error: &dyn std::fmt::Display| invalid(format!("{}: {error}", path.display()));
         let bytes = std::fs::read(&path).map_err(|error| told(&error))?;
         let question = Question { start, goal, robot_radius, seed, ..Question::default() };
@@ -228,7 +229,7 @@ pub fn read_problems(
     srdf: Option<PathBuf>,
     overhang: f64,
 ) -> PyResult<Vec<Task>> {
-    py.detach(|| {
+    detach(py, || {
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let mut load = |name: &str| std::fs::read(folder.join(name));
         let bytes = std::fs::read(&path).map_err(|error| told(&path, &error))?;
@@ -257,14 +258,14 @@ pub fn suite(py: Python<'_>, name: &str, count: usize, seed: u64) -> PyResult<Ve
     if count > 1_000_000 {
         return Err(invalid(format!("count: {count} is not allowed; expected at most 1000000")));
     }
-    Ok(py.detach(|| suite.generate(count, seed, &Profile::PAPER).into_iter().map(Task).collect()))
+    Ok(detach(py, || suite.generate(count, seed, &Profile::PAPER).into_iter().map(Task).collect()))
 }
 
 /// Writes tasks of the plane to a file: task JSON, or one a line where the name ends in `.jsonl`.
 #[pyfunction]
 pub fn write(py: Python<'_>, path: PathBuf, tasks: Vec<PyRef<'_, Task>>) -> PyResult<()> {
     let tasks: Vec<sidestep::Task> = tasks.iter().map(|task| task.0.clone()).collect();
-    py.detach(|| {
+    detach(py, || {
         let lines = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("jsonl"));
         let format = if lines { TaskFormat::JsonLines } else { TaskFormat::Json };
         let text = write_tasks(&tasks, format).map_err(invalid)?;

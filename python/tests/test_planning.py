@@ -1,6 +1,8 @@
 """Tasks, plans, objectives and the program, as people in Python meet them."""
 
+import copy
 import json
+import os
 import pickle
 import signal
 import subprocess
@@ -236,3 +238,37 @@ def test_stubs_are_what_the_module_has():
     pytest.importorskip("mypy")
     answer = subprocess.run([sys.executable, "-m", "mypy.stubtest", "sidestep._sidestep"], capture_output=True, text=True)
     assert answer.returncode == 0, answer.stdout + answer.stderr
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+def test_a_forked_process_has_threads_of_its_own():
+    """The threads of the process that forked are not in the other one; whoever waited for them would wait for ever."""
+    code = (
+        "import os, sys, warnings, sidestep\n"
+        "warnings.simplefilter('ignore')\n"
+        "tasks = sidestep.suite('hard', 20, seed=3)\n"
+        "def work():\n"
+        "    plans = sidestep.plan_batch(tasks, 'gd', starts=3)\n"
+        "    objective = sidestep.Objective(tasks)\n"
+        "    x = objective.straight_lines()\n"
+        "    batch = sidestep.Batch(tasks, 64)\n"
+        "    batch.step(0 * batch.reset())\n"
+        "    return [p.status for p in plans], objective.cost(x).sum(), sidestep.plan(tasks[0], starts=5).status\n"
+        "here = work()\n"
+        "for _ in range(2):\n"
+        "    child = os.fork()\n"
+        "    if child == 0:\n"
+        "        os._exit(0 if work() == here == work() else 1)\n"
+        "    assert os.waitpid(child, 0)[1] == 0\n"
+        "assert work() == here\n"
+    )
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert answer.returncode == 0, answer.stderr
+
+
+def test_what_cannot_be_pickled_or_copied_says_so():
+    task = block()
+    for thing in (sidestep.plan(task), sidestep.Objective([task]), sidestep.Batch([task], 1)):
+        for call in (pickle.dumps, copy.copy, copy.deepcopy):
+            with pytest.raises(TypeError, match="pickle"):
+                call(thing)
