@@ -31,6 +31,7 @@ use crate::smooth::read_path;
 mod controller;
 mod draw;
 mod files;
+mod goals;
 mod page;
 pub mod replay;
 
@@ -57,9 +58,12 @@ pub struct PlanArgs {
     /// Start in place of the file's: X,Y, or a number for each joint (rad or m)
     #[arg(long, value_parser = parse_configuration, allow_hyphen_values = true, help_heading = "Task")]
     start: Option<Configuration>,
-    /// Goal in place of the file's
+    /// Goal in place of the file's; several of a robot with joints, any of which will do
     #[arg(long, value_parser = parse_configuration, allow_hyphen_values = true, help_heading = "Task")]
-    goal: Option<Configuration>,
+    goal: Vec<Configuration>,
+    /// Where a link is to be, in the frame of the robot's root: X,Y,Z,QX,QY,QZ,QW@LINK in metres and as a quaternion; may be repeated
+    #[arg(long, value_name = "POSE", value_parser = goals::parse_goal_pose, allow_hyphen_values = true, help_heading = "Robot with joints")]
+    goal_pose: Vec<goals::GoalPose>,
     /// What is around a robot with joints: scene JSON, MoveIt .yaml or .scene, cuRobo .yaml, .pcd, .ply, .xyz, .stl, .obj
     #[arg(long, requires = "robot", conflicts_with = "input", help_heading = "Robot with joints")]
     scene: Option<PathBuf>,
@@ -168,9 +172,9 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
         .collect::<Result<_, Failure>>()
         .map_err(|error| Failure::at("--compare", error))?;
     files::check(args, &compared)?;
-    let attempt = attempt(args, &task, &args.planner, &planner)?;
+    let (task, attempt) = goals::plan(args, goals::tasks(args, task)?, &planner)?;
     let others: Vec<Attempt> = std::iter::zip(&compared, &others)
-        .map(|(name, planner)| self::attempt(args, &task, name, planner))
+        .map(|(name, planner)| self::attempt(args, &task, name, planner, args.budget_ms))
         .collect::<Result<_, Failure>>()?;
     let attempts = std::iter::once(&attempt).chain(&others);
     if args.png.is_some() || args.svg.is_some() {
@@ -210,8 +214,10 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
 /// The task that the arguments ask for, and what to know about how it was read.
 fn asked(args: &PlanArgs) -> Result<(Task, Vec<String>), Failure> {
     let numbers = |end: &Option<Configuration>| end.as_ref().map(|end| end.0.clone());
-    let (start, goal) = (numbers(&args.start), numbers(&args.goal));
+    let (start, goal) = (numbers(&args.start), numbers(&args.goal.first().cloned()));
     let Some(path) = &args.input else {
+        // A pose becomes a configuration when the robot is known.
+        let goal = goal.or_else(|| start.clone().filter(|_| !args.goal_pose.is_empty()));
         let (Some(_), Some(start), Some(goal)) = (&args.from.robot.robot, start, goal) else {
             let need = "give a file of tasks, or --robot URDF, --start and --goal";
             return Err(Failure(format!("nothing to plan: {need}")));
@@ -224,7 +230,7 @@ fn asked(args: &PlanArgs) -> Result<(Task, Vec<String>), Failure> {
     };
     let question = Question {
         start: args.start.as_ref().and_then(Configuration::point),
-        goal: args.goal.as_ref().and_then(Configuration::point),
+        goal: args.goal.first().and_then(Configuration::point),
         clearance: args.margin,
         seed: args.planning.seed,
         ..Question::default()
@@ -267,24 +273,25 @@ pub struct Attempt {
     deadline: Option<Instant>,
 }
 
-/// Plans the task with the planner of that name.
+/// Plans the task with the planner of that name, in so many milliseconds.
 fn attempt(
     args: &PlanArgs,
     task: &Task,
     name: &str,
     planner: &Planner,
+    budget_ms: Option<f64>,
 ) -> Result<Attempt, Failure> {
     let extent = task.plane().ok().map(|task| task.world.bounds().extent());
     let mut options = args.planning.options(extent, &[planner])?;
     options.prove = true;
     options.wishes = args.bends.wishes().or_else(|| args.polish.then(Wishes::default));
-    if args.best || args.budget_ms.is_some() {
+    if args.best || budget_ms.is_some() {
         options.stop = Stop::Best;
     }
     if let Some(path) = &args.warm_start {
         options.warm_start = Some(read_waypoints(path, task.start.len())?);
     }
-    let budget = match args.budget_ms {
+    let budget = match budget_ms {
         Some(ms) if !(ms > 0.0 && ms <= 1e9) => {
             return Err(Failure(format!("--budget-ms: {ms} is not above 0 and at most 1e9")));
         }

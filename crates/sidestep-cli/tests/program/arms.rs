@@ -230,3 +230,39 @@ fn mistakes_are_told() {
         outcome.stdout
     );
 }
+
+#[test]
+fn any_of_several_goals_will_do_and_poses_are_reached() {
+    let folder = arms();
+    let base =
+        format!("plan --robot panda_spherized.urdf --start={READY} --scene post.json --json");
+    // In the post, and behind it: the second will do.
+    let goals = format!("{base} --goal=0.6,0.2,0,-1.9,0,2,0.8 --goal={BEYOND}");
+    let answer = check(folder.path(), &goals, 0, &[]).json();
+    let last = |answer: &serde_json::Value| -> Vec<f64> {
+        let points = answer["waypoints"].as_array().unwrap();
+        serde_json::from_value(points.last().unwrap().clone()).unwrap()
+    };
+    let beyond: Vec<f64> = BEYOND.split(',').map(|number| number.parse().unwrap()).collect();
+    assert_eq!(last(&answer), beyond);
+    // The nearest is taken first, and the best is no longer than what is first.
+    let near = "0.1,-0.785,0,-2.356,0,1.571,0.785";
+    let answer = check(folder.path(), &format!("{base} --goal={BEYOND} --goal={near}"), 0, &[]);
+    assert_eq!(last(&answer.json())[0], 0.1);
+    let pose = "--goal-pose=0.4,-0.3,0.5,1,0,0,0@panda_hand";
+    let first = check(folder.path(), &format!("{base} {pose}"), 0, &[]).json();
+    let best = check(folder.path(), &format!("{base} {pose} --best"), 0, &[]).json();
+    let length = |answer: &serde_json::Value| answer["length"].as_f64().unwrap();
+    assert!(length(&best) <= length(&first) + 1e-9, "{} {}", length(&best), length(&first));
+    for (words, parts) in [
+        ("--goal-pose=9,0,0,1,0,0,0@panda_hand", vec!["--goal-pose", "no configuration", "64"]),
+        ("--goal-pose=0.4,0.3,0.5,1,0,0,0@hand", vec!["--goal-pose", "\"hand\"", "a link"]),
+        ("--goal-pose=0.4,0.3,0.5,1,0,0@panda_hand", vec!["--goal-pose", "6 numbers"]),
+        ("--goal-pose=0.4,0.3,0.5,1,1,0,0@panda_hand", vec!["--goal-pose", "quaternion"]),
+        ("--goal-pose=0.4,0.3,0.5,1,0,0,0", vec!["--goal-pose", "@LINK"]),
+    ] {
+        check(folder.path(), &format!("{base} {words}"), 2, &parts);
+    }
+    fs::write(folder.path().join("task.json"), crate::task("")).unwrap();
+    check(folder.path(), "plan task.json --goal 8,8 --goal 9,9", 2, &["--goal", "joints"]);
+}
