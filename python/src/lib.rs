@@ -6,6 +6,7 @@
 #![allow(unsafe_code, reason = "pyo3's macros")]
 
 mod batch;
+mod distances;
 mod interrupt;
 mod objective;
 mod own;
@@ -30,6 +31,8 @@ mod _sidestep {
 
     #[pymodule_export]
     use super::batch::Batch;
+    #[pymodule_export]
+    use super::distances::distances;
     #[pymodule_export]
     use super::objective::Objective;
     #[pymodule_export]

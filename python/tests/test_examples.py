@@ -51,6 +51,7 @@ def test_rllib_by_registration(tmp_path):
 
 @heavy
 def test_a_search_with_tune(tmp_path):
-    pytest.importorskip("ray.tune")
+    for module in ("ray", "pandas", "pyarrow"):
+        pytest.importorskip(module)
     out = run("tune.py", "--trials", "2", "--steps", "800", "--tasks", "20", folder=tmp_path)
     assert "best:" in out and "of 20 tasks" in out

@@ -266,6 +266,26 @@ def test_a_forked_process_has_threads_of_its_own():
     assert answer.returncode == 0, answer.stderr
 
 
+def test_distances_are_those_of_the_body():
+    task = sidestep.Task(BOUNDS, (1, 5), (9, 5), circles=[(5, 5, 2)], robot_radius=0.5)
+    points = np.array([[5, 8.2], [1.5, 5], [5, 6], [0.7, 1], [8, 8]])
+    found, gradient = sidestep.distances(task, points)
+    away = np.hypot(*(points - 5).T) - 2.5
+    wall = np.minimum(points, 10 - points).min(1) - 0.5
+    np.testing.assert_allclose(found, np.minimum(away, wall), atol=1e-4)
+    np.testing.assert_allclose(gradient[2:4], [[0, 1], [1, 0]], atol=1e-3)
+    free = [sidestep.plan(task.between(start=p)).status != "invalid" for p in points]
+    assert free == [d > 0 for d in found]
+    for error, part, call in (
+        (ValueError, "points", lambda: sidestep.distances(task, np.zeros((3, 3)))),
+        (ValueError, "finite", lambda: sidestep.distances(task, points * np.nan)),
+        (TypeError, "points", lambda: sidestep.distances(task, points.astype(np.float32))),
+    ):
+        with pytest.raises(error, match=part):
+            call()
+    assert [a.shape for a in sidestep.distances(task, points[:0])] == [(0,), (0, 2)]
+
+
 def test_what_cannot_be_pickled_or_copied_says_so():
     task = block()
     for thing in (sidestep.plan(task), sidestep.Objective([task]), sidestep.Batch([task], 1)):
