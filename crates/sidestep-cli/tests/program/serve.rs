@@ -129,3 +129,41 @@ fn clients_of_a_port_have_obstacles_of_their_own() {
     server.kill().unwrap();
     server.wait().unwrap();
 }
+
+/// The code between ```LANGUAGE and ``` in docs/serve.md.
+fn example(language: &str) -> String {
+    let page = include_str!("../../../../docs/serve.md");
+    let code = page.split(&format!("```{language}\n")).nth(1).unwrap();
+    code.split("```").next().unwrap().to_owned()
+}
+
+/// Runs a command where the repository is, with the program on the path; none where there is no such command.
+fn ran(program: &str, arguments: &[&str]) -> Option<String> {
+    let here = std::path::Path::new(env!("CARGO_BIN_EXE_sidestep")).parent().unwrap();
+    let path = format!("{}:{}", here.display(), std::env::var("PATH").unwrap_or_default());
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let run = Command::new(program).args(arguments).current_dir(root).env("PATH", path).output();
+    let Ok(run) = run else {
+        eprintln!("skipped: there is no {program}");
+        return None;
+    };
+    assert!(run.status.success(), "{program}: {}", String::from_utf8_lossy(&run.stderr));
+    Some(String::from_utf8(run.stdout).unwrap())
+}
+
+#[cfg(unix)]
+#[test]
+fn the_documented_clients_get_their_plans() {
+    let python = ran("python3", &["-c", &example("python")]);
+    if let Some(said) = python {
+        let count: usize = said.trim().strip_prefix("solved ").unwrap().parse().unwrap();
+        assert!(count > 100, "{said}");
+    }
+    let folder = folder();
+    let (source, client) = (folder.path().join("client.cpp"), folder.path().join("client"));
+    std::fs::write(&source, example("cpp")).unwrap();
+    let [source, client] = [&source, &client].map(|path| path.to_str().unwrap());
+    if ran("c++", &["-std=c++17", source, "-o", client]).is_some() {
+        assert_eq!(ran(client, &[]).unwrap(), "solved\n");
+    }
+}

@@ -16,6 +16,7 @@
 
 mod corners;
 mod layer;
+mod nodes;
 mod raster;
 mod route;
 mod search;

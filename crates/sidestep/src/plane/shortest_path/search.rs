@@ -15,6 +15,7 @@ use std::collections::BinaryHeap;
 
 use super::corners::Corner;
 use super::layer::Layer;
+use super::nodes::Nodes;
 use crate::plane::geometry::{Point, cross, distance, norm, scale, sub};
 
 /// Most edges waiting, for the sake of memory (24 bytes each).
@@ -81,9 +82,8 @@ impl Eq for Edge {}
 /// Buffers that searches reuse, and the last search's tree.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Workspace {
-    /// Least checked cost by node: the corners, then the start, then the goal.
-    cost: Vec<f64>,
-    parent: Vec<u32>,
+    /// Least checked cost and parent by node: the corners, then the start, then the goal.
+    nodes: Nodes,
     queue: BinaryHeap<Edge>,
     /// Edges checked by the last search.
     pub(crate) checks: usize,
@@ -164,10 +164,7 @@ impl Workspace {
         let (start_node, goal_node) = (n, n + 1);
         let ends_in_band = [start, goal]
             .map(|end| layer.band > 0.0 && layer.certifier.clearance_of(&[end]) <= layer.band);
-        self.cost.clear();
-        self.cost.resize(n + 2, f64::INFINITY);
-        self.parent.clear();
-        self.parent.resize(n + 2, start_node as u32);
+        self.nodes.reset(n + 2);
         self.queue.clear();
         self.checks = 0;
         let position = |node: usize| match node {
@@ -175,16 +172,16 @@ impl Workspace {
             _ if node == goal_node => goal,
             _ => layer.corner(node).at,
         };
-        self.cost[start_node] = 0.0;
+        self.nodes.reach(start_node, 0.0, start_node as u32);
         let mut node = start_node;
         loop {
-            let from = position(self.parent[node] as usize);
+            let from = position(self.nodes.parent(node).unwrap_or(start_node));
             self.expand(layer, node, [from, position(node)], goal, pruned, ends_in_band);
             // The next edge that is free and an improvement.
             node = loop {
                 let Some(edge) = self.queue.pop() else { return Ending::Exhausted };
                 let to = edge.to as usize;
-                if edge.cost >= self.cost[to] {
+                if edge.cost >= self.nodes.cost(to) {
                     continue;
                 }
                 if self.checks == limits.checks || self.queue.len() > MOST_QUEUED {
@@ -196,13 +193,12 @@ impl Workspace {
                 self.checks += 1;
                 let (a, b) = (position(edge.from as usize), position(to));
                 if layer.certifier.segment_is_free(a, b) {
-                    self.cost[to] = edge.cost;
-                    self.parent[to] = edge.from;
+                    self.nodes.reach(to, edge.cost, edge.from);
                     break to;
                 }
             };
             if node == goal_node {
-                return Ending::Found(self.cost[goal_node]);
+                return Ending::Found(self.nodes.cost(goal_node));
             }
         }
     }
@@ -220,11 +216,11 @@ impl Workspace {
         let at = arrival[1];
         let n = layer.len();
         let slack = layer.slack;
-        let base = self.cost[node];
+        let base = self.nodes.cost(node);
         let taut = (pruned && node < n)
             .then(|| Taut::new(*layer.corner(node), sub(at, arrival[0]), slack))
             .flatten();
-        let Self { cost, queue, sight, .. } = self;
+        let Self { nodes, queue, sight, .. } = self;
         let leads_on =
             |step: Point, length: f64| taut.is_none_or(|t| t.allows(step, length, slack));
         let step = sub(goal, at);
@@ -240,7 +236,7 @@ impl Workspace {
             let step = sub(corner.at, at);
             let length = norm(step);
             let total = base + length;
-            if total >= cost[to] {
+            if total >= nodes.cost(to) {
                 return;
             }
             if pruned && !(is_inside_band || tangent(corner, step, slack) && leads_on(step, length))
@@ -262,10 +258,10 @@ impl Workspace {
     pub(crate) fn path(&self, layer: &Layer, start: Point, goal: Point) -> Vec<Point> {
         let n = layer.len();
         let mut points = vec![goal];
-        let mut node = self.parent[n + 1] as usize;
+        let mut node = self.nodes.parent(n + 1).unwrap_or(n);
         while node != n {
             points.push(layer.corner(node).at);
-            node = self.parent[node] as usize;
+            node = self.nodes.parent(node).unwrap_or(n);
         }
         points.push(start);
         points.reverse();
