@@ -27,18 +27,13 @@ impl Covariant {
     /// A⁻¹ times the gradient, both `[N x dof]`.
     pub fn solve(&mut self, gradient: &[f32]) -> &[f32] {
         let Self { dof, upper, solution } = self;
-        let dof = *dof;
-        for (i, &above) in upper.iter().enumerate() {
-            for at in i * dof..(i + 1) * dof {
-                // 1 / (2 + c'_{i-1}) = -c'_i
-                let before = if i == 0 { 0.0 } else { solution[at - dof] };
-                solution[at] = (gradient[at] + before) * -above;
-            }
+        for i in 0..solution.len() {
+            // 1 / (2 + c'_{i-1}) = -c'_i
+            let before = if i < *dof { 0.0 } else { solution[i - *dof] };
+            solution[i] = (gradient[i] + before) * -upper[i / *dof];
         }
-        for (i, &above) in upper.iter().enumerate().rev().skip(1) {
-            for at in i * dof..(i + 1) * dof {
-                solution[at] -= above * solution[at + dof];
-            }
+        for i in (0..solution.len().saturating_sub(*dof)).rev() {
+            solution[i] -= upper[i / *dof] * solution[i + *dof];
         }
         solution
     }
