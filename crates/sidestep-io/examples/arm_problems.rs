@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release -p sidestep-io --example arm_problems -- PROBLEMS.json ROBOT.urdf ROBOT.srdf [PLANNER] [REPEATS] [DENSITY]`
 //!
-//! With a DENSITY each plan is judged once more by what shares nothing with the certificate: so many configurations for each radian of it,
+//! With a DENSITY each plan is judged once more by the f64 chain and distances, which the fast proof
+//! does not use (the certificate's witnesses and unmoving parts do, and the robot's data are the same): so many configurations for each radian of it,
 //! each ball against each piece of the world and each ball of another link by the slow formulas in f64. One that penetrates ends the run.
 //!
 //! A time is the shortest of REPEATS runs, from world and robot to the plan: preparation of the scene, search, short cuts.
