@@ -10,6 +10,7 @@ use sidestep::{Robot, Task, World};
 use sidestep_io::drawing::Drawing;
 use sidestep_io::input::{Content, Format, Question};
 use sidestep_io::ros_map::Unknown;
+use sidestep_io::scenes::Problem;
 
 use crate::failure::Failure;
 use crate::robots::tasks::{self, AskedArgs};
@@ -67,6 +68,8 @@ impl InputArgs {
 pub struct Input {
     /// At least one.
     pub tasks: Vec<Task>,
+    /// For each task of a file of problems the goals that will do as well as its own; empty for other files.
+    pub more_goals: Vec<Vec<Vec<f64>>>,
     /// What a person should know about how they were read; said on standard error already.
     pub warnings: Vec<String>,
 }
@@ -102,11 +105,14 @@ pub fn read(path: &Path, args: &InputArgs, question: Question) -> Result<Input, 
         output::tell(&format!("warning: {}: {warning}", path.display()));
     }
     let mut warnings = input.warnings;
+    let mut more_goals = Vec::new();
     let tasks = match input.content {
         Content::Problems(problems) => {
             let asked = tasks::of_problems(path, &problems, &args.robot)?;
             asked.files.iter().for_each(|path| args.remember(path));
             warnings.extend(asked.warnings);
+            let more = |problem: &Problem| problem.goals.get(1..).unwrap_or_default().to_vec();
+            more_goals = problems.iter().map(more).collect();
             asked.tasks
         }
         _ if args.robot.robot.is_some() => {
@@ -120,7 +126,7 @@ pub fn read(path: &Path, args: &InputArgs, question: Question) -> Result<Input, 
         }
         Content::Tasks(tasks) => tasks,
     };
-    Ok(Input { tasks, warnings })
+    Ok(Input { tasks, more_goals, warnings })
 }
 
 fn map_tasks(

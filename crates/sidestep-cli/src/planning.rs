@@ -31,6 +31,9 @@ pub struct PlanningArgs {
     /// Optimizer steps per start
     #[arg(long, default_value_t = 200, allow_negative_numbers = true)]
     steps: usize,
+    /// Most samples that trees draw in all [default: 20,000, 3.1 million for `auto` and a robot with joints]
+    #[arg(long, allow_negative_numbers = true)]
+    max_samples: Option<usize>,
     /// Waypoints between start and goal [default: the profile's 10]
     #[arg(long, allow_negative_numbers = true)]
     waypoints: Option<usize>,
@@ -74,6 +77,7 @@ impl PlanningArgs {
             starts: self.starts,
             strategy: self.start_strategy.parse::<StartStrategy>()?,
             steps: self.steps,
+            max_samples: self.max_samples,
             seed: self.seed,
             ..Options::default()
         };

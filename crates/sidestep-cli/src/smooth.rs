@@ -64,7 +64,7 @@ pub fn run(args: &SmoothArgs, global: &Global) -> Result<u8, Failure> {
     let ends = (given.first().copied(), given.last().copied());
     let question =
         Question { start: ends.0, goal: ends.1, clearance: args.margin, ..Question::default() };
-    let Input { mut tasks, mut warnings } = input::read(&args.map, &args.from, question)?;
+    let Input { mut tasks, mut warnings, .. } = input::read(&args.map, &args.from, question)?;
     let task = with_obstacles(tasks.swap_remove(0), &args.obstacle)?;
     let asked = task.with_margin(args.margin)?;
     let wishes = args.bends.wishes().unwrap_or_default();

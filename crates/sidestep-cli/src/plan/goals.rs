@@ -1,13 +1,16 @@
 //! Goals of a robot with joints: configurations, any of which will do, and poses of a link, as configurations that reach them.
 
+use std::time::Instant;
+
 use sidestep::arm::Tool;
-use sidestep::plan::{Planner, Stop};
+use sidestep::plan::Planner;
+use sidestep::plan::goals::plan_to_any;
 use sidestep::rng::{Purpose, stream};
 use sidestep::scene::{Query, Setting};
 use sidestep::space::Pose;
-use sidestep::{InvalidInput, Status, Task};
+use sidestep::{InvalidInput, Task};
 
-use super::{Attempt, PlanArgs, attempt};
+use super::{Attempt, PlanArgs, attempt, budget, options};
 use crate::failure::Failure;
 
 /// Random configurations from which a pose is sought.
@@ -37,10 +40,10 @@ pub fn parse_goal_pose(text: &str) -> Result<GoalPose, String> {
     Ok(GoalPose { pose, link: link.into() })
 }
 
-/// The task to each goal that the arguments name, the nearest first; the task alone where they name none but one
-/// configuration.
-pub fn tasks(args: &PlanArgs, task: Task) -> Result<Vec<Task>, Failure> {
-    if args.goal.len() <= 1 && args.goal_pose.is_empty() {
+/// The task to each goal that the arguments name, or else its file (`more` besides its own), the nearest first; the task alone
+/// where there is but one configuration.
+pub fn tasks(args: &PlanArgs, task: Task, more: Vec<Vec<f64>>) -> Result<Vec<Task>, Failure> {
+    if args.goal.len() <= 1 && args.goal_pose.is_empty() && more.is_empty() {
         return Ok(vec![task]);
     }
     let Setting::Arm { arm, .. } = &task.setting else {
@@ -48,6 +51,10 @@ pub fn tasks(args: &PlanArgs, task: Task) -> Result<Vec<Task>, Failure> {
         return Err(Failure::at(flag, "several goals, and poses, are for robots with joints"));
     };
     let mut goals: Vec<Vec<f64>> = args.goal.iter().map(|goal| goal.0.clone()).collect();
+    if !more.is_empty() {
+        goals.push(task.goal.clone());
+        goals.extend(more);
+    }
     for (index, GoalPose { pose, link }) in args.goal_pose.iter().enumerate() {
         let tool = Tool { link: link.clone(), frame: Pose::IDENTITY };
         let mut rng = stream(args.planning.seed, Purpose::Start, index as u64, 0);
@@ -78,34 +85,20 @@ pub fn tasks(args: &PlanArgs, task: Task) -> Result<Vec<Task>, Failure> {
     goals.into_iter().map(task).collect()
 }
 
-/// Plans to one goal after another: until there is a plan, or where the best is asked for to all, each with its share of the
-/// budget. The task whose plan it is, or else the one that came nearest to having one.
+/// Plans to the goals of the tasks in rounds, each with its share of what is left of the budget. The task whose plan it is, or
+/// else the one that came nearest to having one.
 pub fn plan(
     args: &PlanArgs,
-    tasks: Vec<Task>,
+    mut tasks: Vec<Task>,
     planner: &Planner,
 ) -> Result<(Task, Attempt), Failure> {
-    let share = args.budget_ms.map(|budget| budget / tasks.len() as f64);
-    let stop = if args.best || share.is_some() { Stop::Best } else { Stop::First };
-    let mut best: Option<(Task, Attempt)> = None;
-    for task in tasks {
-        let next = attempt(args, &task, &args.planner, planner, share)?;
-        if best.as_ref().is_none_or(|(_, best)| worth(&next) > worth(best)) {
-            best = Some((task, next));
-        }
-        let is_solved = best.as_ref().is_some_and(|(_, best)| best.plan.is_solved());
-        if stop == Stop::First && is_solved {
-            break;
-        }
-    }
-    best.ok_or_else(|| Failure::at("--goal", "no goal"))
-}
-
-/// Plans before attempts before goals that are in collision, and short plans before long ones.
-fn worth(attempt: &Attempt) -> (u8, f64) {
-    match (&attempt.plan.status, attempt.plan.certified()) {
-        (_, Some(path)) => (2, -path.length()),
-        (Status::Invalid(_), _) => (0, 0.0),
-        _ => (1, 0.0),
-    }
+    let Some(first) = tasks.first() else { return Err(Failure::at("--goal", "no goal")) };
+    let (options, budget) = (options(args, first, planner)?, budget(args)?);
+    let begin = Instant::now();
+    let best = plan_to_any(tasks.len(), &options, |goal, left, options| {
+        let share = budget.map(|budget| budget.saturating_sub(begin.elapsed()) / left as u32);
+        attempt(args, &tasks[goal], &args.planner, planner, options, share)
+    })?;
+    let Some((goal, attempt)) = best else { return Err(Failure::at("--goal", "no goal")) };
+    Ok((tasks.swap_remove(goal), attempt))
 }

@@ -8,7 +8,7 @@ use clap::Args;
 use sidestep::objective::Objective;
 use sidestep::plan::ends::plan_with_margin;
 use sidestep::plan::run::Iteration;
-use sidestep::plan::{Plan, Planner, Status, Stop, Watch, Wishes};
+use sidestep::plan::{Options, Plan, Planner, Status, Stop, Watch, Wishes};
 use sidestep::plane::ends::EndChange;
 use sidestep::plane::{explain, explain_path};
 use sidestep::scene::Query;
@@ -143,7 +143,7 @@ pub struct PlanArgs {
 pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
     args.bends.check()?;
     args.driving.check()?;
-    let (task, mut warnings) = asked(args)?;
+    let Asked { task, more_goals, mut warnings } = asked(args)?;
     let mut task = with_obstacles(task, &args.obstacle)?;
     if let Some(most) = args.snap {
         let moved = task.snapped(args.margin, most);
@@ -172,9 +172,12 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
         .collect::<Result<_, Failure>>()
         .map_err(|error| Failure::at("--compare", error))?;
     files::check(args, &compared)?;
-    let (task, attempt) = goals::plan(args, goals::tasks(args, task)?, &planner)?;
+    let (task, attempt) = goals::plan(args, goals::tasks(args, task, more_goals)?, &planner)?;
     let others: Vec<Attempt> = std::iter::zip(&compared, &others)
-        .map(|(name, planner)| self::attempt(args, &task, name, planner, args.budget_ms))
+        .map(|(name, planner)| {
+            let options = options(args, &task, planner)?;
+            self::attempt(args, &task, name, planner, &options, budget(args)?)
+        })
         .collect::<Result<_, Failure>>()?;
     let attempts = std::iter::once(&attempt).chain(&others);
     if args.png.is_some() || args.svg.is_some() {
@@ -211,8 +214,16 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
     })
 }
 
-/// The task that the arguments ask for, and what to know about how it was read.
-fn asked(args: &PlanArgs) -> Result<(Task, Vec<String>), Failure> {
+/// What the arguments ask for.
+struct Asked {
+    task: Task,
+    /// Goals of its file that will do as well.
+    more_goals: Vec<Vec<f64>>,
+    /// What to know about how it was read.
+    warnings: Vec<String>,
+}
+
+fn asked(args: &PlanArgs) -> Result<Asked, Failure> {
     let numbers = |end: &Option<Configuration>| end.as_ref().map(|end| end.0.clone());
     let (start, goal) = (numbers(&args.start), numbers(&args.goal.first().cloned()));
     let Some(path) = &args.input else {
@@ -226,7 +237,7 @@ fn asked(args: &PlanArgs) -> Result<(Task, Vec<String>), Failure> {
         let mut asked = tasks::of_scene(&args.from.robot, scene, [start, goal])?;
         asked.files.iter().for_each(|path| args.from.remember(path));
         let task = asked.tasks.pop().ok_or_else(|| Failure("no task".into()))?;
-        return Ok((task, asked.warnings));
+        return Ok(Asked { task, more_goals: Vec::new(), warnings: asked.warnings });
     };
     let question = Question {
         start: args.start.as_ref().and_then(Configuration::point),
@@ -246,17 +257,21 @@ fn asked(args: &PlanArgs) -> Result<(Task, Vec<String>), Failure> {
             }
         }
     }
-    let Input { mut tasks, warnings } = read?;
+    let Input { mut tasks, mut more_goals, warnings } = read?;
     if args.index >= tasks.len() {
         let count = tasks.len();
         return Err(Failure::at("--index", format!("{} of {count} tasks, from 0", args.index)));
     }
     let task = tasks.swap_remove(args.index);
     if !is_arm(&task) {
-        return Ok((task, warnings));
+        return Ok(Asked { task, more_goals: Vec::new(), warnings });
     }
+    // Goals of the command line stand in place of the file's.
+    let own = goal.is_some() || !args.goal_pose.is_empty() || args.index >= more_goals.len();
+    let more_goals = if own { Vec::new() } else { more_goals.swap_remove(args.index) };
     let Task { name, setting, start: from, goal: to } = task;
-    Ok((Task::new(name, setting, start.unwrap_or(from), goal.unwrap_or(to))?, warnings))
+    let task = Task::new(name, setting, start.unwrap_or(from), goal.unwrap_or(to))?;
+    Ok(Asked { task, more_goals, warnings })
 }
 
 /// What one planner did.
@@ -273,30 +288,46 @@ pub struct Attempt {
     deadline: Option<Instant>,
 }
 
-/// Plans the task with the planner of that name, in so many milliseconds.
-fn attempt(
-    args: &PlanArgs,
-    task: &Task,
-    name: &str,
-    planner: &Planner,
-    budget_ms: Option<f64>,
-) -> Result<Attempt, Failure> {
+impl AsRef<Plan> for Attempt {
+    fn as_ref(&self) -> &Plan {
+        &self.plan
+    }
+}
+
+/// What the arguments let a planner use.
+fn options(args: &PlanArgs, task: &Task, planner: &Planner) -> Result<Options, Failure> {
     let extent = task.plane().ok().map(|task| task.world.bounds().extent());
     let mut options = args.planning.options(extent, &[planner])?;
     options.prove = true;
     options.wishes = args.bends.wishes().or_else(|| args.polish.then(Wishes::default));
-    if args.best || budget_ms.is_some() {
+    if args.best || args.budget_ms.is_some() {
         options.stop = Stop::Best;
     }
     if let Some(path) = &args.warm_start {
         options.warm_start = Some(read_waypoints(path, task.start.len())?);
     }
-    let budget = match budget_ms {
+    Ok(options)
+}
+
+/// The time that the arguments allow.
+fn budget(args: &PlanArgs) -> Result<Option<Duration>, Failure> {
+    match args.budget_ms {
         Some(ms) if !(ms > 0.0 && ms <= 1e9) => {
-            return Err(Failure(format!("--budget-ms: {ms} is not above 0 and at most 1e9")));
+            Err(Failure(format!("--budget-ms: {ms} is not above 0 and at most 1e9")))
         }
-        ms => ms.map(|ms| Duration::from_secs_f64(ms / 1e3)),
-    };
+        ms => Ok(ms.map(|ms| Duration::from_secs_f64(ms / 1e3))),
+    }
+}
+
+/// Plans the task with the planner of that name, within the time.
+fn attempt(
+    args: &PlanArgs,
+    task: &Task,
+    name: &str,
+    planner: &Planner,
+    options: &Options,
+    budget: Option<Duration>,
+) -> Result<Attempt, Failure> {
     let trace = Mutex::new(Vec::new());
     let asked = task
         .with_margin(args.margin)
@@ -314,7 +345,7 @@ fn attempt(
     let watch = Watch { see: &see, go_on: &|| is_time_left(deadline) };
     // What is reported and drawn is the robot itself.
     let query = if args.margin > 0.0 { Query::of(task, &options.profile) } else { asked.clone() };
-    let (plan, relaxed) = plan_with_margin(&query, &asked, planner, &options, watch)?;
+    let (plan, relaxed) = plan_with_margin(&query, &asked, planner, options, watch)?;
     let time = begin.elapsed();
     let mut trace = trace.into_inner().unwrap_or_default();
     trace.sort_by_key(|step| (step.start, step.iteration));

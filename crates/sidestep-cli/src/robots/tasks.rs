@@ -35,8 +35,8 @@ pub struct Asked {
 }
 
 impl Asked {
-    fn new(loaded: Loaded, tasks: Vec<Task>, file: &Path, more: Vec<String>) -> Self {
-        let warnings = [warnings(&loaded), more].concat();
+    fn new(loaded: Loaded, tasks: Vec<Task>, file: &Path) -> Self {
+        let warnings = warnings(&loaded);
         for warning in &warnings {
             output::tell(&format!("warning: {}: {warning}", file.display()));
         }
@@ -82,11 +82,6 @@ pub fn of_problems(path: &Path, problems: &[Problem], args: &AskedArgs) -> Resul
     };
     let loaded = load(&robot, &args.from, Some(first))?;
     let arm = Arc::new(loaded.arm().clone());
-    let mut more = Vec::new();
-    if let Some(problem) = problems.iter().find(|problem| problem.goals.len() > 1) {
-        let count = problem.goals.len();
-        more.push(format!("{}: the first of {count} goals is asked for", problem.name));
-    }
     let task = |problem: &Problem| {
         let setting = Setting::Arm { arm: Arc::clone(&arm), world: Arc::clone(&problem.world) };
         let goal = problem.goals.first().cloned().unwrap_or_default();
@@ -94,7 +89,7 @@ pub fn of_problems(path: &Path, problems: &[Problem], args: &AskedArgs) -> Resul
             .map_err(|error| Failure::file(path, error.inside(&problem.name)))
     };
     let tasks = problems.iter().map(task).collect::<Result<_, Failure>>()?;
-    Ok(Asked::new(loaded, tasks, path, more))
+    Ok(Asked::new(loaded, tasks, path))
 }
 
 /// The one task of a robot, a scene and two configurations.
@@ -119,7 +114,7 @@ pub fn of_scene(
     let name = arm.name().to_owned();
     let setting = Setting::Arm { arm, world: Arc::new(world) };
     let task = Task::new(name, setting, start, goal)?;
-    let mut asked = Asked::new(loaded, vec![task], robot, Vec::new());
+    let mut asked = Asked::new(loaded, vec![task], robot);
     asked.files.append(&mut files);
     Ok(asked)
 }

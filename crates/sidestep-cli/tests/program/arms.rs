@@ -266,3 +266,29 @@ fn any_of_several_goals_will_do_and_poses_are_reached() {
     fs::write(folder.path().join("task.json"), crate::task("")).unwrap();
     check(folder.path(), "plan task.json --goal 8,8 --goal 9,9", 2, &["--goal", "joints"]);
 }
+
+#[test]
+fn what_has_no_way_is_said_and_any_goal_of_a_problem_will_do() {
+    let folder = arms();
+    let path = |name: &str| folder.path().join(name);
+    let draw = "generate --suite planar-arm --dof 2 --count 2 --seed 77 --out p.json";
+    check(folder.path(), draw, 0, &[]);
+    // Boxes hold the second arm; cells of its configurations prove it.
+    let none = check(folder.path(), "plan p.json --index 1 --json", 1, &[]).json();
+    assert_eq!(none["status"], "unsolvable", "{none}");
+    let few = check(folder.path(), "plan p.json --index 1 --max-samples 7 --json", 1, &[]).json();
+    assert_eq!(few["status"], "unsolvable", "{few}");
+    let trees = "plan p.json --index 1 --max-samples 7 --planner rrt-connect";
+    check(folder.path(), trees, 1, &["separate"]);
+    check(folder.path(), "plan p.json --max-samples 0", 2, &["max_samples", "0", "1 to"]);
+    // A goal that cannot be, and one that can.
+    let text = fs::read_to_string(path("p.json")).unwrap();
+    let mut problems: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let near = |k: usize| problems["problems"][1]["start"][k].as_f64().unwrap();
+    let near = serde_json::json!([near(0) + 1e-4, near(1)]);
+    problems["problems"][1]["goals"].as_array_mut().unwrap().push(near.clone());
+    fs::write(path("two.json"), problems.to_string()).unwrap();
+    let answer = check(folder.path(), "plan two.json --index 1 --json", 0, &[]).json();
+    let last = answer["waypoints"].as_array().unwrap().last().unwrap();
+    assert_eq!(last, &near);
+}

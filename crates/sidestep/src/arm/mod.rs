@@ -6,6 +6,7 @@
 //! is balls (`spheres.rs`). A configuration is a slice with a number for each moving joint, in rad
 //! or m, in the order of [`Arm::joints`].
 
+mod cells;
 pub mod certificate;
 mod chain;
 mod contacts;
@@ -25,6 +26,7 @@ mod spheres;
 mod surroundings;
 pub mod view;
 
+pub(crate) use cells::MOST_JOINTS;
 pub use covered::MeshHull;
 pub use explain::{explain, explain_ends};
 pub use inverse_kinematics::Tool;

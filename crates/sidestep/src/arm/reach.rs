@@ -77,6 +77,16 @@ impl Reach {
         self.stride
     }
 
+    /// How far a ball's centre moves at most for each rad or m of each joint, `[dof]`.
+    pub(super) fn of_ball(&self, ball: usize, arm: &Arm) -> Vec<f64> {
+        let mut reach = vec![0.0; arm.dof()];
+        for (index, slot) in self.slots.iter().enumerate() {
+            let farthest = self.farthest[index * self.stride + arm.parts.len() + ball];
+            reach[slot.coordinate] += slot.factor * f64::from(farthest);
+        }
+        reach
+    }
+
     /// M / 8 of each ball for a motion by `delta`, and the largest speed sum_m |D_m| R_m of any.
     ///
     /// `bulge` has [`Self::stride`] numbers; `turned` one for each slot and one more: how far the slots up to each turn together.

@@ -5,6 +5,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::cells::are_separated;
 use super::certificate::{Certifier, Hit, Met, Verdict, Work};
 use super::costs::{Buffers, cost_and_slope};
 use super::robot::Arm;
@@ -216,6 +217,11 @@ impl ArmScene {
             }
             Ok(())
         })
+    }
+
+    /// Whether it is proved that no motion leads from one configuration to another; of robots with up to three joints.
+    pub fn are_separated(&self, start: &[f64], goal: &[f64], go_on: &dyn Fn() -> bool) -> bool {
+        are_separated(&self.certifier, start, goal, go_on)
     }
 
     /// What is wrong with a trajectory, in full: which link meets what, where, and how deep. None if nothing collides.

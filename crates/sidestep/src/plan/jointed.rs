@@ -5,6 +5,7 @@
 //! looked for as there are starts (trees go the wrong way round as often as not), and the shortest is made smooth. What the
 //! optimizer finds is shorter than what the trees do, and sooner there (docs/research/arms.md).
 
+use crate::arm::MOST_JOINTS;
 use crate::error::InvalidInput;
 use crate::optimizer::Method;
 use crate::plan::answer::{Origin, Plan, Reason, Status};
@@ -24,6 +25,11 @@ const SHORT_CUTS: usize = 32;
 /// Samples of the first pair of trees, and twice as many of each further one; most problems need a few hundred. Trees that grew badly
 /// are better begun anew than grown on, but what is really narrow needs large ones.
 const SAMPLES: usize = 100_000;
+/// Nodes of a pair of trees. What is narrow has few, however many samples it takes; trees that fill all there is and do not meet
+/// are slow, for each sample is compared with all of their nodes.
+const MOST_NODES: usize = 50_000;
+/// Samples of the first pair of trees where a proof that there is no way can follow.
+const SAMPLES_BEFORE_PROOF: usize = 10_000;
 /// Pairs of trees before giving up.
 const RUNS: usize = 5;
 
@@ -40,9 +46,11 @@ pub(super) fn plan(
         return Ok(plan.clone());
     }
     let wanted = if first { 1 } else { options.starts };
+    let most = options.max_samples.unwrap_or(usize::MAX);
+    let few_joints = query.scene().dof() <= MOST_JOINTS;
     let (mut spent, mut broken_off) = (0, false);
     for run in 0..RUNS.max(wanted) {
-        if run >= wanted && best.is_some() {
+        if run >= wanted && best.is_some() || spent >= most {
             break;
         }
         if run > 0 && !(watch.go_on)() {
@@ -50,13 +58,31 @@ pub(super) fn plan(
             break;
         }
         let mut rng = stream(options.seed, Purpose::Planner, options.index, 1 + run as u64);
-        let max_samples = SAMPLES << run.min(RUNS - 1);
-        let planner =
-            RrtConnect { shortcut_rounds: SHORT_CUTS, max_samples, ..RrtConnect::default() };
-        let RrtRun { trajectory, samples, .. } = planner.plan_while(query, &mut rng, watch.go_on);
+        let first_pair = if few_joints { SAMPLES_BEFORE_PROOF } else { SAMPLES };
+        let max_samples = if run == 0 { first_pair } else { SAMPLES << run.min(RUNS - 1) };
+        let max_samples = max_samples.min(most - spent);
+        let planner = RrtConnect {
+            shortcut_rounds: SHORT_CUTS,
+            max_samples,
+            max_nodes: MOST_NODES,
+            ..RrtConnect::default()
+        };
+        let grown = planner.plan_while(query, &mut rng, watch.go_on);
+        let RrtRun { trajectory, samples, .. } = grown;
         spent += samples;
-        broken_off = trajectory.is_none() && samples < planner.max_samples;
-        let Some(path) = trajectory else { continue };
+        broken_off = grown.broken_off;
+        let Some(path) = trajectory else {
+            if run == 0
+                && best.is_none()
+                && !broken_off
+                && let Some(proof) =
+                    query.scene().disproof(query.start(), query.goal(), watch.go_on)
+            {
+                let none = Plan::none(Status::Unsolvable(proof), Origin::Tree);
+                return Ok(Plan { attempt: tried.attempt, steps: tried.steps, ..none });
+            }
+            continue;
+        };
         let length = |plan: &Plan| plan.certified().map_or(f64::INFINITY, |path| path.length());
         if best.as_ref().is_none_or(|best| path.length() < length(best)) {
             best = Some(Plan::of(query, path, 0, Origin::Tree));

@@ -10,6 +10,7 @@ mod auto;
 pub mod ends;
 mod exact;
 pub mod fair;
+pub mod goals;
 mod jointed;
 mod mend;
 mod optimize;
@@ -37,7 +38,6 @@ use crate::plan::exact::shortest;
 use crate::plan::optimize::optimize;
 use crate::plan::polish::polish;
 use crate::plan::rrt_connect::tree;
-use crate::plane::shortest_path::Route;
 use crate::scene::{Query, Scene, Task};
 
 /// Plans one task.
@@ -118,8 +118,8 @@ fn or_proof(plan: Plan, query: &Query, options: &Options, watch: Watch<'_>) -> P
     if plan.is_solved() || !options.prove {
         return plan;
     }
-    match query.scene().exact(query.start(), query.goal(), watch.go_on) {
-        Some(Route::Unsolvable(proof)) => Plan { status: Status::Unsolvable(proof), ..plan },
-        _ => plan,
+    match query.scene().disproof(query.start(), query.goal(), watch.go_on) {
+        Some(proof) => Plan { status: Status::Unsolvable(proof), ..plan },
+        None => plan,
     }
 }

@@ -32,6 +32,8 @@ pub struct Options {
     pub strategy: StartStrategy,
     /// Optimizer steps per start.
     pub steps: usize,
+    /// Most samples that trees draw in all; as many as the planner sees fit where none.
+    pub max_samples: Option<usize>,
     /// When planning ends.
     pub stop: Stop,
     /// Seed of everything random.
@@ -55,6 +57,7 @@ impl Default for Options {
             starts: 1,
             strategy: StartStrategy::default(),
             steps: 200,
+            max_samples: None,
             stop: Stop::First,
             seed: 0,
             index: 0,
@@ -69,6 +72,9 @@ impl Default for Options {
 pub const MAX_STARTS: usize = 1_000_000;
 /// Most optimizer steps per start.
 pub const MAX_STEPS: usize = 100_000_000;
+
+/// Most samples of a plan's trees that may be asked for.
+pub const MAX_SAMPLES: usize = 1_000_000_000;
 
 /// Who watches a planner at work, from any thread.
 #[derive(Clone, Copy)]
@@ -121,6 +127,9 @@ impl Options {
             if !(0.0..=MAX_COORDINATE).contains(&radius) {
                 return Err(InvalidInput::new("wishes.radius", radius, "a number from 0 to 1e9"));
             }
+        }
+        if let Some(samples) = self.max_samples {
+            range("max_samples", samples, 1, MAX_SAMPLES)?;
         }
         range("steps", self.steps, 0, MAX_STEPS)
     }

@@ -11,7 +11,7 @@
 //! | `to_normalised`, `to_task`, `normalised_length` | optimizers work in normalised units, certificates in task units |
 //! | `epsilon`, `typical_clearance`, `cost_and_slope` | U and ∂U |
 //! | `motion_is_free`, `path_is_free`, `is_free`, `check`, `clearance` | certificates, never by samples |
-//! | `exact` | the shortest path or a proof that there is none, where there is such a search |
+//! | `exact`, `disproof` | the shortest path or a proof that there is none, where there is such a search |
 
 mod query;
 mod task;
@@ -22,7 +22,7 @@ pub use task::{Setting, Task};
 
 use crate::arm::ArmScene;
 use crate::kernels::Block;
-use crate::plane::shortest_path::{Doubt, Route};
+use crate::plane::shortest_path::{Doubt, Proof, Route};
 use crate::plane::world::Obstacle;
 use crate::plane::{PlaneScene, points};
 use crate::profile::Profile;
@@ -291,6 +291,18 @@ impl Scene {
                 })
             }
             Self::Arm(_) => None,
+        }
+    }
+
+    /// A proof that no path leads from start to goal, where one can be had: always in the plane, mostly for robots with up to
+    /// three joints, never beyond. None where there is a path, where nothing is known, and once `go_on` is false.
+    pub fn disproof(&self, start: &[f64], goal: &[f64], go_on: &dyn Fn() -> bool) -> Option<Proof> {
+        match self {
+            Self::Plane(_) => match self.exact(start, goal, go_on) {
+                Some(Route::Unsolvable(proof)) => Some(proof),
+                _ => None,
+            },
+            Self::Arm(arm) => arm.are_separated(start, goal, go_on).then_some(Proof::Disconnected),
         }
     }
 }

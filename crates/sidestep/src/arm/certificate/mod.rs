@@ -150,6 +150,11 @@ impl Certifier {
         &self.arm
     }
 
+    /// How far balls can be from the joints' axes.
+    pub(super) fn reach(&self) -> &Reach {
+        &self.reach
+    }
+
     /// The world.
     pub fn world(&self) -> &Arc<World> {
         &self.world

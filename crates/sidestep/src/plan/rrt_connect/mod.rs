@@ -39,6 +39,8 @@ const SAMPLES_A_QUESTION: usize = 16;
 pub struct RrtConnect {
     /// Samples drawn before giving up; at least 1.
     pub max_samples: usize,
+    /// Nodes of both trees before giving up.
+    pub max_nodes: usize,
     /// Longest motion towards a sample, as a part of the largest range of a coordinate; in (0, 1].
     pub step: f64,
     /// Random short cuts tried on the path; 0 leaves it as it was found.
@@ -51,7 +53,7 @@ pub struct RrtConnect {
 /// (34, 25, 24 and 20 us).
 impl Default for RrtConnect {
     fn default() -> Self {
-        Self { max_samples: 20_000, step: 0.1, shortcut_rounds: 32 }
+        Self { max_samples: 20_000, max_nodes: usize::MAX, step: 0.1, shortcut_rounds: 32 }
     }
 }
 
@@ -66,6 +68,8 @@ pub struct RrtRun {
     pub nodes: usize,
     /// Segments checked.
     pub checks: usize,
+    /// Whether `go_on` ended it.
+    pub broken_off: bool,
 }
 
 impl RrtConnect {
@@ -88,7 +92,7 @@ impl RrtConnect {
         self.plan_while(query, rng, &|| true)
     }
 
-    /// [`RrtConnect::plan`] that is broken off once `go_on` is false; then fewer samples than allowed were drawn.
+    /// [`RrtConnect::plan`] that is broken off once `go_on` is false.
     pub fn plan_while(
         &self,
         query: &Query,
@@ -137,8 +141,9 @@ impl RrtConnect {
         };
         let mut trees = [Tree::new(start, limits), Tree::new(goal, limits)];
         let mut sample = vec![0.0; limits.len()];
-        while run.samples < self.max_samples {
+        while run.samples < self.max_samples && run.nodes < self.max_nodes {
             if run.samples.is_multiple_of(SAMPLES_A_QUESTION) && !go_on() {
+                run.broken_off = true;
                 return None;
             }
             run.samples += 1;
@@ -236,10 +241,13 @@ fn lerp(from: &[f64], to: &[f64], t: f64, out: &mut [f64]) {
 /// Answers a query by trees.
 pub(super) fn tree(query: &Query, rrt: &RrtConnect, options: &Options, watch: Watch<'_>) -> Plan {
     let mut rng = stream(options.seed, Purpose::Planner, options.index, 0);
-    let RrtRun { trajectory, samples, .. } = rrt.plan_while(query, &mut rng, watch.go_on);
+    let most = options.max_samples.unwrap_or(usize::MAX);
+    let rrt = RrtConnect { max_samples: rrt.max_samples.min(most), ..*rrt };
+    let RrtRun { trajectory, samples, broken_off, .. } =
+        rrt.plan_while(query, &mut rng, watch.go_on);
     let reason = match trajectory {
         Some(trajectory) => return Plan::of(query, trajectory, 0, Origin::Tree),
-        None if samples < rrt.max_samples => Reason::SamplingBrokenOff { samples },
+        None if broken_off => Reason::SamplingBrokenOff { samples },
         None => Reason::SamplesSpent { samples },
     };
     Plan::none(Status::Unsolved(reason), Origin::Tree)
