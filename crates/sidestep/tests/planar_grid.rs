@@ -6,7 +6,7 @@
 //! goal there is a way, and a plan must be found; where shut ones separate them there is none. Between the two the grid is too
 //! coarse to say, and that may be so of few problems only.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test")]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "a test")]
 
 use std::sync::Arc;
 
