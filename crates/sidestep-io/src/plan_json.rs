@@ -6,6 +6,9 @@
 use serde::Serialize;
 use sidestep::Trajectory;
 use sidestep::error::MAX_COORDINATE;
+use sidestep::objective::Objective;
+use sidestep::plan::run::Iteration;
+use sidestep::scene::Query;
 
 use crate::error::{FormatError, Place};
 use crate::input::without_mark;
@@ -76,6 +79,26 @@ pub struct TraceStep {
     pub certified: bool,
     /// From start to goal, `[points x dof]` in task units.
     pub waypoints: Vec<Vec<f64>>,
+}
+
+impl TraceStep {
+    /// An iterate in task units. Of methods that do not use U it is computed here.
+    pub fn of(query: &Query, iteration: &Iteration<'_>) -> Self {
+        let objective = Objective::new(query, iteration.waypoints.len() / query.scene().dof()).ok();
+        let cost = iteration.cost.or_else(|| Some(objective.clone()?.cost(iteration.waypoints)));
+        let cost = cost.unwrap_or_default();
+        let trajectory = objective.map(|objective| objective.trajectory(iteration.waypoints));
+        let rows = |path: &Trajectory| path.configurations().map(<[f64]>::to_vec).collect();
+        Self {
+            start: iteration.start,
+            iteration: iteration.index,
+            objective: cost.total,
+            obstacle_cost: cost.obstacle,
+            length_cost: cost.length,
+            certified: iteration.solved,
+            waypoints: trajectory.as_ref().map_or_else(Vec::new, rows),
+        }
+    }
 }
 
 impl PlanDocument {

@@ -5,17 +5,16 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use sidestep::plan::run::Iteration;
-use sidestep::plan::{Options, Planner, Watch, plan_in};
-use sidestep::plane::explain;
+use sidestep::plan::{Options, Planner, Watch, plan_in, reason};
 use sidestep::scene::Query;
-use sidestep::{InvalidInput, Status, Task};
-use sidestep_io::replay::{BenchPage, BenchRow, FailedTask, Run};
+use sidestep::{InvalidInput, Task};
+use sidestep_io::plan_json::TraceStep;
+use sidestep_io::replay::{self, BenchPage, BenchRow, FailedTask, Run};
 
 use super::measure::{Exact, TaskSet};
 use super::report::{Report, Row};
 use crate::failure::Failure;
 use crate::output;
-use crate::plan::{replay, step};
 
 /// Most tasks that a page holds.
 const MOST_TASKS: usize = 24;
@@ -109,7 +108,7 @@ fn watched(
     let trace = Mutex::new(Vec::new());
     let see = |iteration: &Iteration<'_>| {
         if let Ok(mut steps) = trace.lock() {
-            steps.push(step(query, iteration));
+            steps.push(TraceStep::of(query, iteration));
         }
     };
     let begin = Instant::now();
@@ -117,9 +116,6 @@ fn watched(
     let time = begin.elapsed();
     let mut trace = trace.into_inner().unwrap_or_default();
     trace.sort_by_key(|step| (step.start, step.iteration));
-    let why = match (&plan.status, task.plane()) {
-        (Status::Invalid(violation), Ok(task)) => explain(&task, 0.0, violation),
-        (status, _) => status.reason(),
-    };
+    let why = reason(task, 0.0, query, &plan);
     Ok((replay::run(name, query, &plan, (time, why), &trace), plan.is_solved()))
 }

@@ -2,15 +2,15 @@
 
 use sidestep::plan::Plan;
 use sidestep::plane::ends::Change;
-use sidestep::plane::geometry::{Point, lerp};
+use sidestep::plane::geometry::Point;
 use sidestep::plane::points;
 use sidestep::plane::shortest_path::{Route, ShortestPath};
 use sidestep::scene::Query;
 use sidestep::space::Vector;
-use sidestep::trajectory::{ObstacleId, Violation};
 use sidestep::{PlaneTask, Task, Trajectory};
 use sidestep_io::picture::{Color, Picture, SpacePanel, TaskPanel, View, palette, planner_style};
 use sidestep_io::plan_json::TraceStep;
+use sidestep_io::replay::{Block, blocked};
 
 use super::{Attempt, PlanArgs};
 use crate::failure::Failure;
@@ -155,7 +155,7 @@ fn panel(
         panel = panel.path_in(name, path, style);
     } else if let Some(path) = &plan.attempt {
         panel = panel.path_in(format!("{name} (not certified)"), path, style);
-        if let Some(Blocked { segment, place, obstacle }) = blocked(query, plan) {
+        if let Some(Block { segment, place, obstacle }) = blocked(query, plan) {
             let ends = points(path).windows(2).nth(segment).and_then(|ends| ends.try_into().ok());
             let ends: Option<[Point; 2]> = ends;
             panel = ends.into_iter().fold(panel, |p, ends| p.blocked(ends, place, obstacle));
@@ -178,55 +178,4 @@ fn note(query: &Query, plan: &Plan) -> String {
         parts.push(format!("{} step{}", plan.steps, if plan.steps == 1 { "" } else { "s" }));
     }
     parts.join(", ")
-}
-
-/// Where an attempt meets something.
-pub(super) struct Blocked {
-    pub(super) segment: usize,
-    /// The deepest place on it.
-    pub(super) place: Point,
-    /// The shape that it meets there.
-    pub(super) obstacle: Option<usize>,
-}
-
-/// Where the last attempt is blocked; `None` for a plan, and where the scene does not tell.
-pub(super) fn blocked(query: &Query, plan: &Plan) -> Option<Blocked> {
-    if plan.is_solved() {
-        return None;
-    }
-    let path = plan.attempt.as_ref()?;
-    let (segment, obstacle) = match query.scene().check(path).err()? {
-        Violation::Collision { segment, obstacle: ObstacleId::Shape(index) } => {
-            (segment, Some(index))
-        }
-        Violation::Collision { segment, .. } | Violation::OutOfBounds { segment, .. } => {
-            (segment, None)
-        }
-        _ => return None,
-    };
-    let ends = points(path).get(segment..segment + 2)?;
-    let shape = obstacle.and_then(|i| query.scene().plane()?.world().obstacles().get(i));
-    let place = match shape {
-        Some(shape) => deepest_along(ends, |p| shape.signed_distance(p))?.1,
-        None => deepest(query, ends)?.1,
-    };
-    Some(Blocked { segment, place, obstacle })
-}
-
-/// The least distance of the robot to obstacles and bounds along some points in the plane, by samples,
-/// and where: negative inside an obstacle.
-pub(super) fn deepest(query: &Query, points: &[Point]) -> Option<(f64, Point)> {
-    let scene = query.scene().plane()?;
-    let (frame, field) = (scene.frame(), scene.field());
-    deepest_along(points, |p| f64::from(field.at(frame.to_normalised(p)).0) * frame.scale)
-}
-
-fn deepest_along(points: &[Point], distance: impl Fn(Point) -> f64) -> Option<(f64, Point)> {
-    const SAMPLES: u32 = 32;
-    let along = |ends: &[Point]| {
-        let (from, to) = (ends[0], ends[1]);
-        (0..=SAMPLES).map(move |i| lerp(from, to, f64::from(i) / f64::from(SAMPLES)))
-    };
-    let places = points.windows(2).flat_map(along).map(|place| (distance(place), place));
-    places.min_by(|a, b| a.0.total_cmp(&b.0))
 }

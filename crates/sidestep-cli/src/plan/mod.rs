@@ -1,21 +1,20 @@
 //! `sidestep plan`: one task, one certified plan or the reason why not.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use sidestep::objective::Objective;
 use sidestep::plan::ends::plan_with_margin;
 use sidestep::plan::run::Iteration;
-use sidestep::plan::{Options, Plan, Planner, Status, Stop, Watch, Wishes};
+use sidestep::plan::{Options, Plan, Planner, Status, Stop, Watch, Wishes, reason};
 use sidestep::plane::ends::EndChange;
-use sidestep::plane::{explain, explain_path};
 use sidestep::scene::Query;
-use sidestep::{InvalidInput, Obstacle, Setting, Task, Trajectory, arm};
+use sidestep::{InvalidInput, Obstacle, PlaneTask, Setting, Task, Trajectory, arm};
 use sidestep_io::drive::nav2_error_code;
 use sidestep_io::input::Question;
 use sidestep_io::plan_json::{self, PlanDocument, TraceStep};
+use sidestep_io::replay;
 
 use crate::Global;
 use crate::bends::{BendArgs, broken};
@@ -33,7 +32,6 @@ mod draw;
 mod files;
 mod goals;
 mod page;
-pub mod replay;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -186,7 +184,7 @@ pub fn run(args: &PlanArgs, global: &Global) -> Result<u8, Failure> {
     let status = attempt.plan.status.clone();
     let trajectory = args.trajectory.as_ref().map(|path| controller::write(args, path, &attempt));
     match (&args.html, task.plane()) {
-        (Some(path), Ok(plane)) => replay::write(args, path, &task, plane, attempts)?,
+        (Some(path), Ok(plane)) => replayed(args, path, &task, plane, attempts)?,
         (Some(path), Err(_)) => page::write(args, path, &task, &attempt)?,
         (None, _) => {}
     }
@@ -274,6 +272,27 @@ fn asked(args: &PlanArgs) -> Result<Asked, Failure> {
     Ok(Asked { task, more_goals, warnings })
 }
 
+/// Writes a page on which the optimizers are at work.
+fn replayed<'a>(
+    args: &PlanArgs,
+    path: &Path,
+    task: &Task,
+    plane: PlaneTask<'_>,
+    attempts: impl Iterator<Item = &'a Attempt> + Clone,
+) -> Result<(), Failure> {
+    let Some(attempt) = attempts.clone().next() else { return Ok(()) };
+    let runs = attempts.map(|attempt| {
+        let Attempt { planner, query, plan, time, trace, .. } = attempt;
+        let why = reason(task, args.margin, query, plan);
+        replay::run(planner, query, plan, (*time, why), trace)
+    });
+    let mut page = replay::replay(plane, &attempt.query, runs.collect());
+    if args.margin > 0.0 {
+        page.lines.push(format!("margin {}", args.margin));
+    }
+    output::write_file(path, page.to_html(replay::far(&attempt.query)).as_bytes())
+}
+
 /// What one planner did.
 pub struct Attempt {
     planner: String,
@@ -338,7 +357,7 @@ fn attempt(
         if (args.trace || args.animate || args.html.is_some())
             && let Ok(mut steps) = trace.lock()
         {
-            steps.push(step(&asked, iteration));
+            steps.push(TraceStep::of(&asked, iteration));
         }
     };
     let deadline = budget.map(|budget| begin + budget);
@@ -357,23 +376,6 @@ fn is_time_left(deadline: Option<Instant>) -> bool {
     deadline.is_none_or(|deadline| Instant::now() < deadline)
 }
 
-/// An iterate in task units. Methods that do not use U leave it to be computed here.
-pub fn step(query: &Query, iteration: &Iteration<'_>) -> TraceStep {
-    let objective = Objective::new(query, iteration.waypoints.len() / query.scene().dof()).ok();
-    let cost = iteration.cost.or_else(|| Some(objective.clone()?.cost(iteration.waypoints)));
-    let cost = cost.unwrap_or_default();
-    let trajectory = objective.map(|objective| objective.trajectory(iteration.waypoints));
-    TraceStep {
-        start: iteration.start,
-        iteration: iteration.index,
-        objective: cost.total,
-        obstacle_cost: cost.obstacle,
-        length_cost: cost.length,
-        certified: iteration.solved,
-        waypoints: trajectory.as_ref().map_or_else(Vec::new, rows),
-    }
-}
-
 fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> PlanDocument {
     let Attempt { planner, query, plan, relaxed, time, trace, deadline, .. } = attempt;
     let certified = plan.certified();
@@ -381,7 +383,7 @@ fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> PlanDocument {
     let optimal = || query.scene().exact(query.start(), query.goal(), &go_on)?.length();
     PlanDocument {
         status: plan.status.name(),
-        reason: reason(args, task, &query, &plan),
+        reason: reason(task, args.margin, &query, &plan),
         nav2_error_code: nav2_error_code(&plan.status),
         task: task.name.clone(),
         planner,
@@ -403,32 +405,6 @@ fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> PlanDocument {
         joints: query.scene().arm().map(|scene| joint_names(scene.arm())),
         waypoints: plan.trajectory().map_or_else(Vec::new, rows),
         trace: args.trace.then_some(trace),
-    }
-}
-
-/// Why there is no plan, in words of the task's own file.
-fn reason(args: &PlanArgs, task: &Task, query: &Query, plan: &Plan) -> String {
-    // What was asked of a robot with joints, and not what is reported: with the margin.
-    let asked = (args.margin > 0.0).then(|| task.with_margin(args.margin).ok()).flatten();
-    let asked = asked.map(|asked| Query::of(&asked, query.scene().profile()));
-    let query = asked.as_ref().unwrap_or(query);
-    match (&plan.status, task.plane(), query.scene().arm()) {
-        (Status::Invalid(violation), Ok(task), _) => explain(&task, args.margin, violation),
-        (Status::Invalid(violation), _, Some(scene)) => {
-            arm::explain_ends(scene, [query.start(), query.goal()], violation)
-        }
-        (Status::Unsolved(reason), plane, scene) => match (reason.violation(), &plan.attempt) {
-            (Some(violation), Some(path)) => {
-                let words = match (plane, scene) {
-                    (Ok(task), _) => explain_path(&task, args.margin, path, violation),
-                    (_, Some(scene)) => arm::explain(scene, path, violation),
-                    _ => violation.to_string(),
-                };
-                reason.to_string().replace(&violation.to_string(), &words)
-            }
-            _ => reason.to_string(),
-        },
-        (status, ..) => status.reason(),
     }
 }
 

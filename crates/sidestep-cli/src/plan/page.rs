@@ -44,7 +44,7 @@ pub fn write(args: &PlanArgs, path: &Path, task: &Task, attempt: &Attempt) -> Re
         }
     });
     let hit = if plan.is_solved() { None } else { scene.hit(shown) };
-    let why = super::reason(args, task, query, plan);
+    let why = sidestep::plan::reason(task, args.margin, query, plan);
     let status = plan.status.name();
     let mut lines = vec![match why.is_empty() {
         true => format!("{status} by {planner}, certified free of collision"),

@@ -9,9 +9,13 @@ use sidestep::{Grid, Obstacle, PlaneTask, Trajectory};
 
 use crate::picture::planner_style;
 
+mod attempt;
 mod bench;
+mod blocked;
 
+pub use attempt::{far, replay, run};
 pub use bench::{BenchPage, BenchRow, FailedTask};
+pub use blocked::blocked;
 
 const PAGE: &str = include_str!("replay.html");
 
@@ -87,8 +91,8 @@ impl Replay<'_> {
         assembled(PAGE, &self.data(distance))
     }
 
-    /// What the page shows, as it stands in the page.
-    fn data(&self, distance: impl Fn(Point) -> f64) -> Value {
+    /// What the page shows, as it stands in the page; `distance` as for [`Self::to_html`].
+    pub fn data(&self, distance: impl Fn(Point) -> f64) -> Value {
         let world = self.task.world;
         let bounds = world.bounds();
         let round = Rounding::of(bounds.extent());

@@ -50,6 +50,13 @@ function panelOf(run) {
 }
 
 const frameOf = (run) => run.frames[Math.min(state.at, run.frames.length - 1)];
+// From each waypoint of the iterate shown to where the optimizer moves it.
+function stepsOf(run) {
+  const [here, next] = [run.frames[state.at], run.frames[state.at + 1]];
+  if (!here || !next || here.points.length !== next.points.length) return [];
+  return here.points.map((place, i) => [place, next.points[i]]);
+}
+
 const faint = (hex) => hex + "66";
 
 function point(panel, event) {
@@ -68,7 +75,7 @@ function draw() {
     const last = run.frames.indexOf(frame) === run.frames.length - 1;
     panel.view = drawTask(canvas, data.world, frame ? frame.points : [], {
       shade: byId("shade").checked, swept: byId("swept").checked, color: run.color, dash: run.dash,
-      ghost: data.shortest, blocked: last ? run.blocked : null,
+      ghost: data.shortest, blocked: last ? run.blocked : null, arrows: byId("arrows").checked ? stepsOf(run) : [],
     });
   }
   for (const chart of charts) {
@@ -112,7 +119,7 @@ function play(on) {
 
 byId("play").addEventListener("click", () => play(!state.timer));
 byId("frame").addEventListener("input", () => { play(false); show(Number(byId("frame").value)); });
-for (const id of ["shade", "swept"]) byId(id).addEventListener("change", draw);
+for (const id of ["shade", "swept", "arrows"]) byId(id).addEventListener("change", draw);
 document.addEventListener("keydown", (event) => {
   if (!data) return;
   if (event.target instanceof HTMLButtonElement && (event.key === " " || event.key === "Enter")) return;

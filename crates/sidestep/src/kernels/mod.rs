@@ -128,6 +128,7 @@ impl Isa {
     }
 
     /// One of `PORTABLE`, `AVX2`, `AVX512`.
+    #[cfg(target_arch = "x86_64")]
     #[inline]
     pub(crate) fn id(self) -> u8 {
         self.0

@@ -19,6 +19,7 @@ pub(crate) mod parallel;
 mod planner;
 mod planner_name;
 pub mod polish;
+mod reason;
 pub mod rrt_connect;
 pub mod run;
 pub mod smooth;
@@ -30,6 +31,7 @@ pub use options::{MAX_STARTS, MAX_STEPS, Options, Stop, Watch};
 pub use planner::Planner;
 pub use planner_name::{PLANNERS, PlannerName, PlannerSetting, parse_planner};
 pub use polish::Wishes;
+pub use reason::reason;
 
 use std::sync::Arc;
 

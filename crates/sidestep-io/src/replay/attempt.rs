@@ -1,6 +1,5 @@
-//! Optimizers at work in the plane, as a page.
+//! From what planners did in the plane to what a page shows of it.
 
-use std::path::Path;
 use std::time::Duration;
 
 use sidestep::objective::Objective;
@@ -9,35 +8,11 @@ use sidestep::plane::geometry::Point;
 use sidestep::plane::points;
 use sidestep::plane::shortest_path::{Route, ShortestPath};
 use sidestep::scene::Query;
-use sidestep::{PlaneTask, Task, Trajectory};
-use sidestep_io::plan_json::TraceStep;
-use sidestep_io::replay::{Block, Frame, MOST_FRAMES, Replay, Run};
+use sidestep::{PlaneTask, Trajectory};
 
-use super::{Attempt, PlanArgs, draw};
-use crate::failure::Failure;
-use crate::output;
-
-/// Writes the page: for each planner its iterates, and the plan, or the last attempt.
-pub fn write<'a>(
-    args: &PlanArgs,
-    path: &Path,
-    task: &Task,
-    plane: PlaneTask<'_>,
-    attempts: impl Iterator<Item = &'a Attempt> + Clone,
-) -> Result<(), Failure> {
-    let Some(attempt) = attempts.clone().next() else { return Ok(()) };
-    let query = &attempt.query;
-    let runs = attempts.map(|attempt| {
-        let Attempt { planner, query, plan, time, trace, .. } = attempt;
-        let why = super::reason(args, task, query, plan);
-        run(planner, query, plan, (*time, why), trace)
-    });
-    let mut replay = replay(plane, query, runs.collect());
-    if args.margin > 0.0 {
-        replay.lines.push(format!("margin {}", args.margin));
-    }
-    output::write_file(path, replay.to_html(far(query)).as_bytes())
-}
+use super::blocked::{blocked, deepest};
+use super::{Frame, MOST_FRAMES, Replay, Run};
+use crate::plan_json::TraceStep;
 
 /// What is shown of a task in the plane and the planners that were asked.
 pub fn replay<'a>(task: PlaneTask<'a>, query: &Query, runs: Vec<Run>) -> Replay<'a> {
@@ -114,12 +89,7 @@ pub fn run(
         ),
         None => format!("{}: {why}; {took}", plan.status.name()),
     };
-    Run {
-        planner: planner.to_owned(),
-        text,
-        frames,
-        blocked: draw::blocked(query, plan).map(block),
-    }
+    Run { planner: planner.to_owned(), text, frames, blocked: blocked(query, plan) }
 }
 
 /// U of a trajectory that no optimizer made, with as many waypoints as it has.
@@ -132,15 +102,11 @@ fn costs(query: &Query, path: &Trajectory) -> Option<[f64; 2]> {
     Some([cost.total, cost.obstacle].map(f64::from))
 }
 
-fn block(at: draw::Blocked) -> Block {
-    Block { segment: at.segment, place: at.place, obstacle: at.obstacle }
-}
-
 /// The clearance of a trajectory, or by how much it is too small: how deep the robot is in an obstacle.
 fn clearance(query: &Query, path: &Trajectory) -> f64 {
     let clearance = query.scene().clearance(path);
     let radius = query.scene().plane().map_or(0.0, |scene| scene.robot().radius());
-    match draw::deepest(query, points(path)) {
+    match deepest(query, points(path)) {
         Some((distance, _)) if clearance <= 0.0 => (distance - radius).min(0.0),
         _ => clearance,
     }
