@@ -143,7 +143,9 @@ fn panel(
     if let (Route::Found { trajectory, .. }, false) = (shortest, planner == EXACT) {
         panel = panel.path_in("shortest path", trajectory, planner_style(EXACT));
     }
-    let mut iterates = iterates(attempt);
+    // A page keeps them too, and asks for none in pictures.
+    let shown = args.trace || args.animate;
+    let mut iterates = if shown { iterates(attempt) } else { Vec::new() };
     if let (Some(frames), Some(last)) = (frames, iterates.last().cloned()) {
         iterates.resize(frames, last);
         return panel.motion_in(name, &iterates, style);

@@ -93,12 +93,10 @@ pub fn polish(query: &Query, plan: Plan, wishes: &Wishes, watch: Watch<'_>) -> P
     if path.dof() > MOST_DOF || path.sharpest_turn() < 1e-3 || !(watch.go_on)() {
         return plan;
     }
-    let mut taut = path.values().to_vec();
-    if path.len() <= MOST_SHORTENED && plan.origin != Origin::ShortestPath {
-        let is_free = |from: &[f64], to: &[f64]| query.scene().motion_is_free(from, to);
-        remove_vertices(path.dof(), &mut taut, &is_free);
-    }
-    let taut = Trajectory::new(path.dof(), taut);
+    let taut = match path.len() <= MOST_SHORTENED && plan.origin != Origin::ShortestPath {
+        true => taut(query, path),
+        false => path.clone(),
+    };
     let round = round_off(query, &taut, wishes, watch);
     if score(query, &round, wishes) >= score(query, path, wishes) {
         return plan;
@@ -112,6 +110,24 @@ pub fn polish(query: &Query, plan: Plan, wishes: &Wishes, watch: Watch<'_>) -> P
         Ok(certified) => Plan { status: Status::Solved(certified), origin, ..plan },
         Err(_) => plan,
     }
+}
+
+/// The path with straight lines from each point to the last one that it sees, looked at from the start, and from the goal; the
+/// shorter of both. From the start alone a path that runs past its goal keeps the hook.
+fn taut(query: &Query, path: &Trajectory) -> Trajectory {
+    let dof = path.dof();
+    let is_free = |from: &[f64], to: &[f64]| query.scene().motion_is_free(from, to);
+    let straightened = |mut points: Vec<f64>| {
+        remove_vertices(dof, &mut points, &is_free);
+        points
+    };
+    let reversed = |points: &[f64]| -> Vec<f64> {
+        points.chunks_exact(dof).rev().flatten().copied().collect()
+    };
+    let forwards = Trajectory::new(dof, straightened(path.values().to_vec()));
+    let backwards = straightened(reversed(path.values()));
+    let backwards = Trajectory::new(dof, reversed(&backwards));
+    if backwards.length() < forwards.length() { backwards } else { forwards }
 }
 
 #[cfg(test)]
@@ -191,6 +207,22 @@ mod tests {
                 assert!(best.sharpest_turn() < 1e-6);
             }
         }
+    }
+
+    #[test]
+    fn a_path_that_runs_past_its_goal_loses_the_hook() {
+        let block = Obstacle::Rect(Rect::new([3.0, 1.0], [5.0, 5.0]).unwrap());
+        let bounds = Rect::new([0.0; 2], [10.0, 6.0]).unwrap();
+        let world = Arc::new(World::new(bounds, vec![block], None));
+        let robot = Robot::disc(0.3).unwrap();
+        let task = Task::in_plane("", world, robot, [1.0, 3.0], [6.0, 3.0]).unwrap();
+        let query = Query::of(&task, &Profile::DEFAULT);
+        let points = [[1.0, 3.0], [2.4, 5.5], [5.6, 5.5], [7.5, 2.9], [6.0, 3.0]];
+        let hooked = Plan::of(&query, Trajectory::from_points(&points), 0, Origin::Tree);
+        let before = hooked.certified().unwrap().length();
+        let after = polish(&query, hooked, &Wishes::default(), Watch::NONE);
+        let length = after.certified().unwrap().length();
+        assert!(length < before - 1.0, "{before} {length}");
     }
 
     #[test]
