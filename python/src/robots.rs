@@ -115,7 +115,7 @@ impl Robot {
     /// Their names.
     #[getter]
     fn joints(&self) -> Vec<String> {
-        self.arm.joints().iter().map(|joint| joint.name.clone()).collect()
+        self.arm.joint_names()
     }
 
     /// The least and the greatest value of each that a plan may take, float64 `[dof, 2]`, rad or m.

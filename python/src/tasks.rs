@@ -106,7 +106,7 @@ impl Task {
     #[getter]
     fn coordinates(&self) -> Vec<String> {
         match &self.0.setting {
-            Setting::Arm { arm, .. } => arm.joints().iter().map(|j| j.name.clone()).collect(),
+            Setting::Arm { arm, .. } => arm.joint_names(),
             _ => vec!["x".into(), "y".into()],
         }
     }

@@ -4,18 +4,17 @@
 //! | --- | --- | --- |
 //! | `read` | `files`: names and sizes, the first the one to read, the others what it may name | `tasks`, JSON each, and `warnings` |
 //! | `suite` | `suite`, `seed`, `index` | `tasks`, one |
-//! | `look` | `task` | `replay` without planners |
-//! | `plan` | `task`, `planners`, `starts`, `steps`, `seed`, `margin`, perhaps `untraced`; `files`: policies as `learned:NAME` | `replay`, and `plans` |
+//! | `plan` | `task`, `planners`, `starts`, `steps`, `seed`, `margin`, perhaps `untraced`; `files`: policies as `learned:NAME` | `replay`, and `plans` as `sidestep plan --out` writes them |
 //! | `page` | the same | `html`, a page of its own |
 //! | `train` | `seed` | begins a training: `units` |
 //! | `train-on` | `units` | `training.rs` |
 //!
 //! An answer is `{"ok": ..}` or `{"error": "words"}`.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::{Value, json};
 use sidestep::plan::ends::plan_with_margin;
 use sidestep::plan::run::Iteration;
@@ -25,9 +24,9 @@ use sidestep::policy::Policy;
 use sidestep::scene::Query;
 use sidestep::suite::Suite;
 use sidestep::suite::queries::random_queries;
-use sidestep::{InvalidInput, Profile, Task, Trajectory};
+use sidestep::{InvalidInput, Profile, Task};
 use sidestep_io::input::{Content, Question};
-use sidestep_io::plan_json::TraceStep;
+use sidestep_io::plan_json::{PlanDocument, Trace};
 use sidestep_io::replay::{self, Replay, Run};
 use sidestep_io::task_json::{TaskFormat, read_tasks, write_task};
 
@@ -48,7 +47,6 @@ const MOST_ITERATES: usize = 4_000;
 enum Request {
     Read { files: Vec<File> },
     Suite { suite: String, seed: u64, index: usize },
-    Look { task: String },
     Plan(Asked),
     Page(Asked),
     Train { seed: u64 },
@@ -77,19 +75,6 @@ struct Asked {
     files: Vec<File>,
 }
 
-/// A plan as `sidestep plan --out` writes it, in its main parts.
-#[derive(Serialize)]
-struct PlanOf {
-    status: &'static str,
-    reason: String,
-    planner: String,
-    iterations: usize,
-    time_us: f64,
-    length: Option<f64>,
-    certified: bool,
-    waypoints: Vec<Vec<f64>>,
-}
-
 /// Answers a request.
 pub(crate) fn answer(text: &[u8], files: &[u8]) -> String {
     let answered = serde_json::from_slice(text)
@@ -113,12 +98,6 @@ fn answered(request: Request, bytes: &[u8]) -> Result<Value, String> {
             let mut task = task.ok_or("the suite has no such task")?;
             task.name = format!("{} {seed}/{index}", suite.name());
             Ok(json!({ "tasks": [write_task(&task).map_err(words)?], "warnings": [] }))
-        }
-        Request::Look { task } => {
-            let task = read_task(&task)?;
-            let query = Query::of(&task, &Profile::DEFAULT);
-            let replay = replay::replay(task.plane().map_err(words)?, &query, Vec::new());
-            Ok(json!({ "replay": replay.data(replay::far(&query)) }))
         }
         Request::Plan(asked) => planned(
             &asked,
@@ -206,7 +185,7 @@ fn checked(task: &Task) -> Result<(), String> {
 fn planned(
     asked: &Asked,
     bytes: &[u8],
-    show: impl FnOnce(&Replay<'_>, &Query, &[PlanOf]) -> Value,
+    show: impl FnOnce(&Replay<'_>, &Query, &[PlanDocument]) -> Value,
 ) -> Result<Value, String> {
     let within = |field: &str, value: usize, most: usize| match value {
         value if (1..=most).contains(&value) => Ok(()),
@@ -250,7 +229,7 @@ fn run(
     task: &Task,
     name: &str,
     planner: &Planner,
-) -> Result<(Query, Run, PlanOf), String> {
+) -> Result<(Query, Run, PlanDocument), String> {
     let policy = planner.policy();
     let profile = policy.and_then(|policy| policy.fixed_profile()).unwrap_or("default");
     let options = Options {
@@ -265,31 +244,14 @@ fn run(
     let with_margin = task.with_margin(asked.margin).map_err(words)?;
     let begin = now();
     let wanted = Query::of(&with_margin, &options.profile);
-    let trace = Mutex::new(Vec::new());
-    let see = |iteration: &Iteration<'_>| {
-        if !asked.untraced
-            && let Ok(mut steps) = trace.lock()
-            && steps.len() < MOST_ITERATES
-        {
-            steps.push(TraceStep::of(&wanted, iteration));
-        }
-    };
+    let trace = Trace::new(if asked.untraced { 0 } else { MOST_ITERATES });
+    let see = |iteration: &Iteration<'_>| trace.see(&wanted, iteration);
     let query = if asked.margin > 0.0 { Query::of(task, &options.profile) } else { wanted.clone() };
     let watch = Watch { see: &see, go_on: &|| true };
     let (plan, _) = plan_with_margin(&query, &wanted, planner, &options, watch).map_err(words)?;
     let time = Duration::from_secs_f64(1e-3 * (now() - begin).max(0.0));
-    let trace = trace.into_inner().unwrap_or_default();
+    let trace = trace.into_steps();
     let why = reason(task, asked.margin, &query, &plan);
-    let rows = |path: &Trajectory| path.configurations().map(<[f64]>::to_vec).collect();
-    let document = PlanOf {
-        status: plan.status.name(),
-        reason: why.clone(),
-        planner: name.to_owned(),
-        iterations: plan.steps,
-        time_us: 1e6 * time.as_secs_f64(),
-        length: plan.certified().map(Trajectory::length),
-        certified: plan.is_solved(),
-        waypoints: plan.trajectory().map_or_else(Vec::new, rows),
-    };
+    let document = PlanDocument::of([&task.name, name], &query, &plan, time, why.clone());
     Ok((query.clone(), replay::run(name, &query, &plan, (time, why), &trace), document))
 }

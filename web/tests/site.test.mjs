@@ -3,11 +3,12 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { createServer } from "node:http";
-import { mkdtempSync, readFileSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { extname, join, resolve } from "node:path";
 import { after, before, test } from "node:test";
+import { gzipSync } from "node:zlib";
 
 const { chromium } = createRequire(resolve(process.env.NODE_PACKAGES ?? ".", "package.json"))("playwright-core");
 const SITE = process.env.SITE ?? "target/site", PROGRAM = process.env.PROGRAM;
@@ -58,6 +59,39 @@ const words = () => page.textContent("#state");
 const wrong = () => page.waitForSelector("#state.wrong", { timeout: 60_000 }).then(words);
 const shot = async (name) => process.env.SHOTS && page.screenshot({ path: join(process.env.SHOTS, name), fullPage: false });
 const task = () => page.evaluate(() => JSON.stringify(sketch.doc));
+
+test("the site is small", (t) => {
+  const bytes = (name) => gzipSync(readFileSync(join(SITE, name)), { level: 9 }).length;
+  const names = readdirSync(SITE), engine = bytes("engine.wasm"), all = names.reduce((sum, name) => sum + bytes(name), 0);
+  t.diagnostic(`${engine} bytes of engine and ${all - engine} of page, by gzip`);
+  assert.ok(all < 1_500_000, `${all}`);
+});
+
+// How long a visitor's task took, whose clicks a script makes.
+async function timed(t, name, act) {
+  const begin = performance.now();
+  await act();
+  t.diagnostic(`${name}: ${((performance.now() - begin) / 1e3).toFixed(1)} s`);
+}
+
+test("three visitors get what they came for", async (t) => {
+  await timed(t, "a class sees a stuck optimizer", async () => {
+    await fresh();
+    await ready();
+    await after_(() => page.click("#lessons button:nth-child(2)"));
+    assert.equal((await statuses()).gd, "unsolved");
+  });
+  await timed(t, "a failing task is a link", async () => {
+    await page.click("#share");
+    await page.waitForSelector("#link:not([hidden])");
+  });
+  t.diagnostic(`the link has ${(await page.inputValue("#link")).length} letters`);
+  await timed(t, "a plan on a map", async () => {
+    await page.evaluate(() => choosePlanners(["auto"]));
+    await after_(() => page.setInputFiles("#file", ["examples/office.png", "examples/office.yaml"]));
+    assert.equal((await statuses()).auto, "solved");
+  });
+});
 
 test("the page is there within moments, and each lesson shows what it says", async (t) => {
   await fresh();

@@ -9,7 +9,7 @@ use sidestep::plan::{Origin, Plan, Status, Watch};
 use sidestep::plane::points;
 use sidestep::scene::Query;
 use sidestep::{Obstacle, Profile, Trajectory};
-use sidestep_io::drive::{nav2_error_code, read_csv};
+use sidestep_io::drive::read_csv;
 use sidestep_io::input::Question;
 use sidestep_io::plan_json::{self, PlanDocument};
 
@@ -87,33 +87,14 @@ pub fn run(args: &SmoothArgs, global: &Global) -> Result<u8, Failure> {
             origin: Origin::WarmStart,
         },
     };
-    let time_us = begin.elapsed().as_secs_f64() * 1e6;
+    let time = begin.elapsed();
     let certified = plan.certified();
     warnings.extend(certified.and_then(|path| broken(&args.bends.wishes()?, path)));
     let robot = Query::of(&task, &Profile::DEFAULT);
-    let answer = PlanDocument {
-        status: plan.status.name(),
-        reason: plan.status.reason(),
-        nav2_error_code: nav2_error_code(&plan.status),
-        task: task.name.clone(),
-        planner: "smooth".into(),
-        origin: certified.map(|_| "smoothed from the given path".into()),
-        iterations: 0,
-        time_us,
-        length: certified.map(Trajectory::length),
-        optimal_length: None,
-        clearance: certified.map(|path| robot.scene().clearance(path)),
-        sharpest_turn_deg: certified.map(|path| path.sharpest_turn().to_degrees()),
-        turning_radius: certified.map(Trajectory::turning_radius),
-        roughness: certified.map(Trajectory::roughness),
-        certified: certified.is_some(),
-        warnings,
-        joints: None,
-        waypoints: plan
-            .trajectory()
-            .map_or_else(Vec::new, |path| path.configurations().map(<[f64]>::to_vec).collect()),
-        trace: None,
-    };
+    let reason = plan.status.reason();
+    let made = PlanDocument::of([&task.name, "smooth"], &robot, &plan, time, reason);
+    let origin = certified.map(|_| "smoothed from the given path".into());
+    let answer = PlanDocument { origin, warnings, ..made };
     let world = &task.plane()?.world;
     let written = args.out.as_ref().map_or(Ok(()), |out| args.driving.write(out, &answer, world));
     if global.json {
@@ -122,8 +103,9 @@ pub fn run(args: &SmoothArgs, global: &Global) -> Result<u8, Failure> {
         answer.warnings.iter().for_each(|warning| output::tell(&format!("warning: {warning}")));
         output::print(&match certified {
             Some(path) => format!(
-                "certified ({time_us:.0} us)\nlength {:.3} (given {given_length:.3}), sharpest corner {:.0} degrees \
+                "certified ({:.0} us)\nlength {:.3} (given {given_length:.3}), sharpest corner {:.0} degrees \
                  (given {given_turn:.0}), radius {:.3}, clearance {:.3}, score {:.3}\n{} points\n",
+                answer.time_us,
                 path.length(),
                 path.sharpest_turn().to_degrees(),
                 path.turning_radius(),

@@ -3,13 +3,18 @@
 //!
 //! Numbers are numbers: what is not known is `null` as a whole field, and no coordinate ever is.
 
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
 use serde::Serialize;
 use sidestep::Trajectory;
 use sidestep::error::MAX_COORDINATE;
 use sidestep::objective::Objective;
+use sidestep::plan::Plan;
 use sidestep::plan::run::Iteration;
 use sidestep::scene::Query;
 
+use crate::drive::nav2_error_code;
 use crate::error::{FormatError, Place};
 use crate::input::without_mark;
 use crate::json::{Json, Node, Source, parse};
@@ -88,7 +93,6 @@ impl TraceStep {
         let cost = iteration.cost.or_else(|| Some(objective.clone()?.cost(iteration.waypoints)));
         let cost = cost.unwrap_or_default();
         let trajectory = objective.map(|objective| objective.trajectory(iteration.waypoints));
-        let rows = |path: &Trajectory| path.configurations().map(<[f64]>::to_vec).collect();
         Self {
             start: iteration.start,
             iteration: iteration.index,
@@ -101,7 +105,76 @@ impl TraceStep {
     }
 }
 
+/// The configurations of a trajectory.
+fn rows(path: &Trajectory) -> Vec<Vec<f64>> {
+    path.configurations().map(<[f64]>::to_vec).collect()
+}
+
+/// Iterates as planners show them, from any thread.
+#[derive(Debug)]
+pub struct Trace {
+    most: usize,
+    steps: Mutex<Vec<TraceStep>>,
+}
+
+impl Trace {
+    /// Keeps at most so many iterates.
+    pub fn new(most: usize) -> Self {
+        Self { most, steps: Mutex::default() }
+    }
+
+    /// Keeps an iterate, if there is room.
+    pub fn see(&self, query: &Query, iteration: &Iteration<'_>) {
+        // Steps of one who panicked are whole: they are made before they are kept.
+        let steps = || self.steps.lock().unwrap_or_else(PoisonError::into_inner);
+        if steps().len() < self.most {
+            let step = TraceStep::of(query, iteration);
+            steps().push(step);
+        }
+    }
+
+    /// The iterates, start by start.
+    pub fn into_steps(self) -> Vec<TraceStep> {
+        let mut steps = self.steps.into_inner().unwrap_or_else(PoisonError::into_inner);
+        steps.sort_by_key(|step| (step.start, step.iteration));
+        steps
+    }
+}
+
 impl PlanDocument {
+    /// What came of a task: its name, and the planner's as it was given; `query` is what clearances are measured in. The length of
+    /// the shortest path, warnings and iterates are left for who knows them.
+    pub fn of(
+        [task, planner]: [&str; 2],
+        query: &Query,
+        plan: &Plan,
+        time: Duration,
+        reason: String,
+    ) -> Self {
+        let certified = plan.certified();
+        Self {
+            status: plan.status.name(),
+            reason,
+            nav2_error_code: nav2_error_code(&plan.status),
+            task: task.into(),
+            planner: planner.into(),
+            origin: certified.map(|_| plan.origin.to_string()),
+            iterations: plan.steps,
+            time_us: time.as_secs_f64() * 1e6,
+            length: certified.map(Trajectory::length),
+            optimal_length: None,
+            clearance: certified.map(|path| query.scene().clearance(path)),
+            sharpest_turn_deg: certified.map(|path| path.sharpest_turn().to_degrees()),
+            turning_radius: certified.map(Trajectory::turning_radius),
+            roughness: certified.map(Trajectory::roughness),
+            certified: certified.is_some(),
+            warnings: Vec::new(),
+            joints: query.scene().arm().map(|scene| scene.arm().joint_names()),
+            waypoints: plan.trajectory().map_or_else(Vec::new, rows),
+            trace: None,
+        }
+    }
+
     /// The document's text, indented, with a final newline. What is no number is left out: an iterate of
     /// the trace that holds such, all waypoints, or the field.
     pub fn to_json(&self) -> String {

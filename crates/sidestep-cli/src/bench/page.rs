@@ -1,14 +1,13 @@
 //! A bench as a page, with the tasks that some planner failed as replays.
 
 use std::path::Path;
-use std::sync::Mutex;
 use std::time::Instant;
 
 use sidestep::plan::run::Iteration;
 use sidestep::plan::{Options, Planner, Watch, plan_in, reason};
 use sidestep::scene::Query;
 use sidestep::{InvalidInput, Task};
-use sidestep_io::plan_json::TraceStep;
+use sidestep_io::plan_json::Trace;
 use sidestep_io::replay::{self, BenchPage, BenchRow, FailedTask, Run};
 
 use super::measure::{Exact, TaskSet};
@@ -105,17 +104,12 @@ fn watched(
     (index, options): (usize, &Options),
 ) -> Result<(Run, bool), InvalidInput> {
     let options = Options { index: index as u64, ..options.clone() };
-    let trace = Mutex::new(Vec::new());
-    let see = |iteration: &Iteration<'_>| {
-        if let Ok(mut steps) = trace.lock() {
-            steps.push(TraceStep::of(query, iteration));
-        }
-    };
+    let trace = Trace::new(usize::MAX);
+    let see = |iteration: &Iteration<'_>| trace.see(query, iteration);
     let begin = Instant::now();
     let plan = plan_in(query, planner, &options, Watch { see: &see, go_on: &|| true })?;
     let time = begin.elapsed();
-    let mut trace = trace.into_inner().unwrap_or_default();
-    trace.sort_by_key(|step| (step.start, step.iteration));
+    let trace = trace.into_steps();
     let why = reason(task, 0.0, query, &plan);
     Ok((replay::run(name, query, &plan, (time, why), &trace), plan.is_solved()))
 }

@@ -99,7 +99,7 @@ pub fn run(suite: ArmSuite, args: &GenerateArgs, global: &Global) -> Result<(), 
     let kept = || bar.inc(1);
     let drawn = suite.generate(&arm, tool.as_ref(), arms.base_height, args.count, args.seed, &kept);
     bar.finish_and_clear();
-    let names: Vec<String> = arm.joints().iter().map(|joint| joint.name.clone()).collect();
+    let names = arm.joint_names();
     let (joints, held): (Arc<[String]>, Arc<[_]>) =
         (names.into(), prepared.file.held.clone().into());
     let robot: Arc<str> = robot.to_string_lossy().into();

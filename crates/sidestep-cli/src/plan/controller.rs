@@ -6,7 +6,7 @@ use sidestep::InvalidInput;
 use sidestep::trajectory::timing::{Limits, TimedPath, time_path};
 use sidestep_io::joint_trajectory::{TrajectoryFormat, write_trajectory};
 
-use super::{Attempt, PlanArgs, joint_names};
+use super::{Attempt, PlanArgs};
 use crate::failure::Failure;
 use crate::output;
 
@@ -23,7 +23,7 @@ pub fn write(args: &PlanArgs, path: &Path, attempt: &Attempt) -> Result<(), Fail
     let Some(timed) = timed(args, attempt)? else { return Ok(()) };
     let name = path.to_string_lossy();
     let format = TrajectoryFormat::from_file_name(&name).unwrap_or(TrajectoryFormat::Yaml);
-    let text = write_trajectory(&joint_names(scene.arm()), &timed.sampled(PERIOD)?, format)?;
+    let text = write_trajectory(&scene.arm().joint_names(), &timed.sampled(PERIOD)?, format)?;
     output::write_file(path, text.as_bytes())
 }
 

@@ -1,7 +1,6 @@
 //! `sidestep plan`: one task, one certified plan or the reason why not.
 
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -10,10 +9,9 @@ use sidestep::plan::run::Iteration;
 use sidestep::plan::{Options, Plan, Planner, Status, Stop, Watch, Wishes, reason};
 use sidestep::plane::ends::EndChange;
 use sidestep::scene::Query;
-use sidestep::{InvalidInput, Obstacle, PlaneTask, Setting, Task, Trajectory, arm};
-use sidestep_io::drive::nav2_error_code;
+use sidestep::{InvalidInput, Obstacle, PlaneTask, Setting, Task, Trajectory};
 use sidestep_io::input::Question;
-use sidestep_io::plan_json::{self, PlanDocument, TraceStep};
+use sidestep_io::plan_json::{self, PlanDocument, Trace, TraceStep};
 use sidestep_io::replay;
 
 use crate::Global;
@@ -347,17 +345,15 @@ fn attempt(
     options: &Options,
     budget: Option<Duration>,
 ) -> Result<Attempt, Failure> {
-    let trace = Mutex::new(Vec::new());
+    let trace = Trace::new(usize::MAX);
     let asked = task
         .with_margin(args.margin)
         .map_err(|error| InvalidInput { field: "--margin".into(), ..error })?;
     let begin = Instant::now();
     let asked = Query::of(&asked, &options.profile);
     let see = |iteration: &Iteration<'_>| {
-        if (args.trace || args.animate || args.html.is_some())
-            && let Ok(mut steps) = trace.lock()
-        {
-            steps.push(TraceStep::of(&asked, iteration));
+        if args.trace || args.animate || args.html.is_some() {
+            trace.see(&asked, iteration);
         }
     };
     let deadline = budget.map(|budget| begin + budget);
@@ -366,8 +362,7 @@ fn attempt(
     let query = if args.margin > 0.0 { Query::of(task, &options.profile) } else { asked.clone() };
     let (plan, relaxed) = plan_with_margin(&query, &asked, planner, options, watch)?;
     let time = begin.elapsed();
-    let mut trace = trace.into_inner().unwrap_or_default();
-    trace.sort_by_key(|step| (step.start, step.iteration));
+    let trace = trace.into_steps();
     Ok(Attempt { planner: name.into(), asked, query, plan, relaxed, time, trace, deadline })
 }
 
@@ -381,40 +376,15 @@ fn answer(args: &PlanArgs, task: &Task, attempt: Attempt) -> PlanDocument {
     let certified = plan.certified();
     let go_on = || is_time_left(deadline);
     let optimal = || query.scene().exact(query.start(), query.goal(), &go_on)?.length();
+    let why = reason(task, args.margin, &query, &plan);
+    let made = PlanDocument::of([&task.name, &planner], &query, &plan, time, why);
+    let unkept = args.bends.wishes().and_then(|wishes| broken(&wishes, certified?));
     PlanDocument {
-        status: plan.status.name(),
-        reason: reason(task, args.margin, &query, &plan),
-        nav2_error_code: nav2_error_code(&plan.status),
-        task: task.name.clone(),
-        planner,
-        origin: certified.map(|_| plan.origin.to_string()),
-        iterations: plan.steps,
-        time_us: time.as_secs_f64() * 1e6,
-        length: certified.map(Trajectory::length),
         optimal_length: certified.and_then(|_| optimal()),
-        clearance: certified.map(|path| query.scene().clearance(path)),
-        sharpest_turn_deg: certified.map(|path| path.sharpest_turn().to_degrees()),
-        turning_radius: certified.map(Trajectory::turning_radius),
-        roughness: certified.map(Trajectory::roughness),
-        certified: certified.is_some(),
-        warnings: relaxed
-            .iter()
-            .map(ToString::to_string)
-            .chain(args.bends.wishes().and_then(|wishes| broken(&wishes, certified?)))
-            .collect(),
-        joints: query.scene().arm().map(|scene| joint_names(scene.arm())),
-        waypoints: plan.trajectory().map_or_else(Vec::new, rows),
+        warnings: relaxed.iter().map(ToString::to_string).chain(unkept).collect(),
         trace: args.trace.then_some(trace),
+        ..made
     }
-}
-
-/// The configurations of a trajectory.
-fn rows(trajectory: &Trajectory) -> Vec<Vec<f64>> {
-    trajectory.configurations().map(<[f64]>::to_vec).collect()
-}
-
-fn joint_names(arm: &arm::Arm) -> Vec<String> {
-    arm.joints().iter().map(|joint| joint.name.clone()).collect()
 }
 
 /// The answer in a few lines.

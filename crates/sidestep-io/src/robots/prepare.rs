@@ -114,7 +114,7 @@ pub fn prepare(
     let arm = Arm::new(&model, &names, &held)?.with_self_collisions(&may_touch)?;
     let (arm, lasting) = arm.without_lasting_contacts();
     may_touch.extend(lasting.iter().cloned());
-    let moving = arm.joints().iter().map(|joint| joint.name.clone()).collect();
+    let moving = arm.joint_names();
     let held = preparation.held.clone();
     let file = RobotFile { model, moving, held, may_touch, overhang };
     Ok(Prepared { file, arm, covered, named: named.len(), unknown, adjacent, lasting })

@@ -5,7 +5,7 @@
 //! at most that; so where a ball is deeper in something at the middle, every configuration of the cell is in collision. What is
 //! left is flooded from the start's cell over faces. A motion that avoids all collision stays within the flood: where it
 //! passes through an edge of cells, all of them hold that place. If the goal's cell is not reached, there is none, and that is a
-//! proof; else the cells that were reached are halved, until they are as fine as memory allows, and nothing is known.
+//! proof; else the cells that were reached are halved, until they are as fine as there is time for (some seconds), and nothing is known.
 //!
 //! This is approximate cell decomposition (D. Zhu and J.-C. Latombe, New heuristic algorithms for efficient
 //! hierarchical path planning, IEEE T-RA 7(1), 1991, doi:10.1109/70.68066) for its negative answer alone; trees give the other.

@@ -172,6 +172,11 @@ impl Arm {
         &self.joints
     }
 
+    /// The names of the joints that move, in the order of a configuration's numbers.
+    pub fn joint_names(&self) -> Vec<String> {
+        self.joints.iter().map(|joint| joint.name.clone()).collect()
+    }
+
     /// All balls of the body, each in the frame of what it moves with.
     pub fn ball_count(&self) -> usize {
         self.balls.len()

@@ -5,11 +5,9 @@ use crate::plan::answer::{Origin, Plan, Status};
 use crate::plan::fair::fair;
 use crate::plan::options::{Options, Watch};
 use crate::plan::planner::Planner;
-use crate::plan::polish::{Wishes, reach};
-use crate::plan::rrt_connect::shortcut::remove_vertices;
+use crate::plan::polish::{Wishes, reach, taut};
 use crate::plane::ends::{EndChange, Relaxed};
 use crate::scene::Query;
-use crate::trajectory::Trajectory;
 
 use super::plan_in;
 
@@ -45,10 +43,7 @@ pub fn plan_with_margin(
         None => path,
         Some(wishes) => {
             let is_free = |a: &[f64], b: &[f64]| relaxed.motion_is_free(a, b);
-            let mut taut = path.values().to_vec();
-            remove_vertices(path.dof(), &mut taut, &is_free);
-            let taut = Trajectory::new(path.dof(), taut);
-            fair(&taut, reach(own, &wishes), &wishes, &is_free, watch.go_on)
+            fair(&taut(&path, &is_free), reach(own, &wishes), &wishes, &is_free, watch.go_on)
         }
     };
     let origin = match inner.origin {

@@ -94,7 +94,7 @@ pub fn polish(query: &Query, plan: Plan, wishes: &Wishes, watch: Watch<'_>) -> P
         return plan;
     }
     let taut = match path.len() <= MOST_SHORTENED && plan.origin != Origin::ShortestPath {
-        true => taut(query, path),
+        true => taut(path, &|a: &[f64], b: &[f64]| query.scene().motion_is_free(a, b)),
         false => path.clone(),
     };
     let round = round_off(query, &taut, wishes, watch);
@@ -114,11 +114,10 @@ pub fn polish(query: &Query, plan: Plan, wishes: &Wishes, watch: Watch<'_>) -> P
 
 /// The path with straight lines from each point to the last one that it sees, looked at from the start, and from the goal; the
 /// shorter of both. From the start alone a path that runs past its goal keeps the hook.
-fn taut(query: &Query, path: &Trajectory) -> Trajectory {
+pub(super) fn taut(path: &Trajectory, is_free: &impl Fn(&[f64], &[f64]) -> bool) -> Trajectory {
     let dof = path.dof();
-    let is_free = |from: &[f64], to: &[f64]| query.scene().motion_is_free(from, to);
     let straightened = |mut points: Vec<f64>| {
-        remove_vertices(dof, &mut points, &is_free);
+        remove_vertices(dof, &mut points, is_free);
         points
     };
     let reversed = |points: &[f64]| -> Vec<f64> {

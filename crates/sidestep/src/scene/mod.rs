@@ -294,7 +294,7 @@ impl Scene {
         }
     }
 
-    /// A proof that no path leads from start to goal, where one can be had: always in the plane, mostly for robots with up to
+    /// A proof that no path leads from start to goal, where one can be had: in the plane, and mostly for robots with up to
     /// three joints, never beyond. None where there is a path, where nothing is known, and once `go_on` is false.
     pub fn disproof(&self, start: &[f64], goal: &[f64], go_on: &dyn Fn() -> bool) -> Option<Proof> {
         match self {
