@@ -57,7 +57,12 @@ async function after_(act) {
 }
 const words = () => page.textContent("#state");
 const wrong = () => page.waitForSelector("#state.wrong", { timeout: 60_000 }).then(words);
-const shot = async (name) => process.env.SHOTS && page.screenshot({ path: join(process.env.SHOTS, name), fullPage: false });
+// A screenshot with the place of that selector at the top.
+const shot = async (name, place = "h1") => {
+  if (!process.env.SHOTS) return;
+  await page.evaluate((selector) => document.querySelector(selector).scrollIntoView(), place);
+  await page.screenshot({ path: join(process.env.SHOTS, name) });
+};
 const task = () => page.evaluate(() => JSON.stringify(sketch.doc));
 
 test("the site is small", (t) => {
@@ -107,7 +112,7 @@ test("the page is there within moments, and each lesson shows what it says", asy
     await after_(() => page.click(`#lessons button:nth-child(${i + 1})`));
     assert.deepEqual(await statuses(), outcome, `lesson ${i + 1}`);
     assert.ok((await page.textContent("#lesson p")).length > 200);
-    if (i === 1) await shot("playground-stuck.png");
+    if (i === 1) await shot("playground-stuck.png", "#title");
   }
   await page.check("#arrows");
   await page.evaluate(() => show(3));
